@@ -91,6 +91,11 @@ class View:
         finally:
             self.xdotool("keyup", *keys)
 
+    def timeline(self):
+        """The columns of the timeline's beginning and of its knob, and their row."""
+        rows, columns = np.argwhere(near(self.picture("last"), (70, 110, 170), 3)).T
+        return columns.min(), columns.max() - 7, round(np.median(rows))
+
     def has_beams(self):
         """True if the lidar's beams tint the floor before the robot."""
         column, row = self.robot()
@@ -156,6 +161,32 @@ def test_a_pause_stops_the_robot_and_a_full_stop_makes_single_steps(view):
     wait_until(lambda: view.moved()[0] > paused + 0.07 * SCALE, "the single steps")
     view.xdotool("keyup", "Up")
     view.key("space")
+
+
+def test_the_timeline_shows_the_past_and_the_run_goes_on_from_there(view):
+    view.hold("Up", until=lambda right, down: right > 0.8 * SCALE)
+    first, last, row = view.timeline()
+    latest = view.moved()[0]
+    column = round(first + 0.1 * (last - first))
+
+    view.xdotool("mousemove", last, row, "mousedown", 1, "mousemove", last - 50, row)
+    view.xdotool("mousemove", column, row, "mouseup", 1)
+    wait_until(lambda: abs(view.timeline()[1] - column) < 3, "the knob to follow the mouse")
+    view.picture("past")
+    past = view.moved()[0]
+    assert past < 0.4 * latest
+
+    view.key("End")
+    wait_until(lambda: abs(view.moved()[0] - latest) < 3, "the present")
+    view.key("Prior")
+    wait_until(lambda: abs(view.moved()[0]) < 3, "the beginning")
+    view.key("Next", "comma", "comma", "comma")
+    wait_until(lambda: abs(view.moved()[0] - latest) < 5, "the end, but for three steps")
+
+    view.xdotool("mousemove", column, row, "click", 1)
+    wait_until(lambda: abs(view.moved()[0] - past) < 3, "the robot of the past")
+    view.key("space")
+    view.hold("Up", until=lambda right, down: right > past + 0.2 * SCALE)
 
 
 def test_what_the_mouse_does(view):

@@ -1,26 +1,16 @@
 """A robot that ignores people collides: results in these worlds mean something."""
 
-import numpy as np
 import pytest
 
 pytest.importorskip("gymnasium")
 
-from flatland_gym.evaluation import evaluate
-
-
-class Blind:
-    """Turns to the goal, and drives at 0.8 m/s."""
-
-    def act(self, observations):
-        bearings = np.arctan2(observations[:, -3], observations[:, -4])
-        speeds = np.where(np.abs(bearings) < 0.5, 0.8, 0.0)
-        return np.stack([speeds, np.clip(3.0 * bearings, -2.0, 2.0)], axis=1)
+from flatland_gym.evaluation import StraightDriver, evaluate
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("world", ["corridor", "crossing", "circle_crossing", "intersection"])
 def test_a_blind_robot_collides_in_at_least_half_of_the_episodes(world):
-    collisions = evaluate(Blind(), seeds=range(200), world=world).collision
+    collisions = evaluate(StraightDriver(64), seeds=range(200), world=world, beams=64).collision
 
     assert collisions.mean() >= 0.5
 

@@ -48,6 +48,17 @@ def test_an_attribute_holds_for_all_resets_also_automatic_ones():
     env.close()
 
 
+def test_the_margin_can_grow_up_to_the_argument():
+    env = make_vector(64, world="empty_room", margin=2.0)
+    nearest = {}
+    for margin in (0.0, 1.0, None):
+        env.unwrapped.reset_options = {} if margin is None else {"margin": margin}
+        _, infos = env.reset(seed=3)
+        nearest[margin] = 5.0 - 0.2 - np.abs(infos["goal"]).max()
+    assert 0.0 <= nearest[0.0] < 1.0 <= nearest[1.0] < 2.0 <= nearest[None]
+    env.close()
+
+
 def test_options_are_the_same_in_single_and_in_vector_environments():
     options = {"goal_distance": (1, 3), "obstacles": (1, 2), "world": ["discs"]}
     single, many = make(**WORLDS), make_vector(3, **WORLDS)
@@ -69,7 +80,12 @@ def test_options_are_the_same_in_single_and_in_vector_environments():
         ({"robot_scales": 1.2}, "robot_scales to be a sequence of numbers"),
         ({"obstacles": (0, 5)}, "obstacles of at most 4, the environment's largest number"),
         ({"goal_distance": (3, 1)}, "two increasing lengths above 0 m"),
-        ({"margin": 1}, "unknown option 'margin'"),
+        (
+            {"margin": 1},
+            "option margin of at most 0.1 m, as in the environment's arguments, found 1",
+        ),
+        ({"margin": -1}, "margin"),
+        ({"lidar_noise": 1}, "unknown option 'lidar_noise'"),
         (3, "expected options as a dict, found 3"),
     ],
 )

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import rospkg
 import rospy
-from flatland_msgs.msg import DebugTopicList
-from flatland_msgs.srv import LoadState, OpenWorld, Reset, SaveState, Step
+from flatland_msgs.msg import DebugTopicList, SimulationState
+from flatland_msgs.srv import LoadState, OpenWorld, Reset, SaveState, Seek, Step
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
@@ -25,7 +25,7 @@ from std_srvs.srv import Empty, Trigger
 from visualization_msgs.msg import MarkerArray
 from waiting import wait_until
 
-from flatland_server import World
+from flatland_server import World, plain_data
 from flatland_server.testing import Harness
 
 BOX = Path(rospkg.RosPack().get_path("flatland_server")) / "worlds" / "office" / "box.model.yaml"
@@ -47,12 +47,17 @@ def content(message):
     return buffer.getvalue()
 
 
+def physics(state):
+    """The part of a state that the core saves."""
+    return plain_data.loads(state)["physics"]
+
+
 def step(count=1, expect=(), timeout=TIME_LIMIT):
     return call("/step", Step, count, list(expect), timeout)
 
 
 def reset(keep_time=False, seed=None):
-    return call("/reset", Reset, keep_time, seed is not None, seed or 0)
+    return call("/reset", Reset, not keep_time, seed is not None, seed or 0)
 
 
 @contextmanager
@@ -164,6 +169,40 @@ class State(unittest.TestCase):
         self.assertIn(f"{Path.home()}/nowhere/state: cannot be read: No such file", answer.message)
         answer = call("/load_state", LoadState, "/nowhere/state")
         self.assertIn("StateError: /nowhere/state: cannot be read: No such file", answer.message)
+
+    def test_any_moment_of_the_run_can_be_sought_with_its_commands(self):
+        self.drive()
+        world = Path(rospy.get_param("/flatland_server/world_path"))
+        simulation = Harness(World.from_file(world, seed=0))
+        for index in range(STEPS // 2):
+            simulation.drive(*command(index)).run()
+        simulation.drive(*command(STEPS // 2)).transport.process()
+        state = Recorder("/flatland_server/state", SimulationState)
+        published = len(self.odometry.messages)
+
+        answer = call("/seek", Seek, simulation.time)
+
+        self.assertTrue(answer.success, answer.message)
+        self.assertEqual(self.saved_physics(), physics(simulation.save_state()))
+        now = simulation.timekeeper.nanoseconds
+        said = state.next(holds=lambda said: said.stamp.to_nsec() == now)
+        self.assertEqual((said.history_begin.to_sec(), said.history_end.to_sec()), (0.0, 0.6))
+        self.assertTrue(said.paused)
+        self.assertEqual(len(self.odometry.messages), published)  # a replay publishes nothing
+        self.assertEqual(step().time.to_nsec(), (STEPS // 2 + 1) * 5_000_000)
+        simulation.run()
+        self.assertEqual(self.saved_physics(), physics(simulation.save_state()))
+        refused = call("/seek", Seek, 0.6)
+        self.assertEqual(
+            refused.message,
+            "UsageError: expected a time from 0 to 0.305 s, which the history has, found 0.6",
+        )
+
+    def saved_physics(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "room.state"
+            self.assertTrue(call("/save_state", SaveState, str(file)).success)
+            return physics(file.read_bytes())
 
     def test_steps_wait_for_commands_that_are_late(self):
         command = threading.Timer(0.2, self.publish, (0.2, 0.0))

@@ -87,7 +87,7 @@ def test_the_office_is_shown(viewer):
 def test_the_office_is_shown_again_after_a_reset(viewer):
     walls = lambda pixels: near(pixels, viewer.walls, TOLERANCE).sum()  # noqa: E731
     before = walls(viewer.picture("before_reset"))
-    answer = viewer.ros.call("/reset", keep_time=False)
+    answer = viewer.ros.call("/reset", restart_time=True)
     assert answer["success"], answer["message"]
     if viewer.kind == "rviz":  # which discards everything
         viewer.waiting(lambda: walls(viewer.picture("reset")) < 0.5 * before, "the walls to go")

@@ -48,10 +48,11 @@ def paused(window):
 
 def test_reset_starts_again(paused):
     paused.ros.spawn(BOX, "crate", 2.0, 1.0)
-    assert paused.ros.state()["stamp"] > 0.0
+    paused.wait_for_models("turtlebot", "crate")
+    before = paused.ros.state()["stamp"]
     paused.key("ctrl+r")
-    paused.wait_for_state(stamp=0.0)
     paused.wait_for_models("turtlebot")
+    assert paused.ros.state()["stamp"] >= before > 0.0  # time goes on
     paused.screen.picture("window_reset")
 
 
@@ -67,6 +68,26 @@ def test_single_steps_and_several(paused):
     paused.screen.picture("window_steps")
     paused.screen.key("Return")
     paused.wait_for_state(stamp=pytest.approx(before + 0.42))
+
+
+def test_the_timeline_goes_back_and_the_run_goes_on_from_there(window):
+    window.ros.call("/reset", keep_time=False, new_seed=False, seed=0)
+    window.waiting(lambda: window.ros.state()["stamp"] > 3.0, "three seconds")
+    left, _, right, bottom = window.screen.inside(window.id)
+    row = bottom - window.screen.px(27 + 14)  # above the status line
+
+    window.screen.click((left + (right - left) // 3, row))
+    window.wait_for_state(paused=True)
+    past = window.ros.state()
+    assert 0.3 < past["stamp"] < 0.7 * past["history_end"]
+    window.waiting(lambda: window.says("paused"), '"paused" in the status line')
+    window.screen.picture("window_past")
+    window.key("alt+End")
+    window.wait_for_state(stamp=past["history_end"])
+    window.key("alt+Left")
+    window.wait_for_state(stamp=0.0)
+    window.ros.call("/resume")
+    window.waiting(lambda: 0.0 < window.ros.state()["history_end"] < 2.9, "the run to go on")
 
 
 def test_files_are_reloaded_after_an_edit(window):
@@ -159,7 +180,7 @@ def test_a_second_robot_gets_a_name_and_a_namespace_of_its_own(window):
 @pytest.fixture
 def drive(window):
     """The window with the Drive panel, and the robot at rest."""
-    window.ros.call("/reset", keep_time=False)
+    window.ros.call("/reset", restart_time=True)
     window.key("F4")
     window.waiting(window.find_knob, "the pad")
     yield window

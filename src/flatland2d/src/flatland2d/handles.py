@@ -312,6 +312,9 @@ class DriveHandle:
         """
         if self._revision != self._current.value:
             self._command = self._model.plugin(self.name).command
+            history = self._model._simulation.history
+            if history is not None:
+                self._command = history.recorded(self._model.name, self.name, self._command)
             self._revision = self._current.value
         finite(values, "a command")
         try:

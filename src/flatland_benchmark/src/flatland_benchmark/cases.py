@@ -7,6 +7,7 @@ from flatland_benchmark.branch_cases import BRANCH_CASES
 from flatland_benchmark.case import Case
 from flatland_benchmark.contact_cases import CONTACT_CASES
 from flatland_benchmark.drive_cases import DRIVE_CASES
+from flatland_benchmark.history_case import HISTORY_CASE
 from flatland_benchmark.library_cases import LIBRARY_CASES
 from flatland_benchmark.map_cases import MAP_CASES
 from flatland_benchmark.plugin_cases import PLUGIN_CASES
@@ -24,6 +25,7 @@ CASES: Dict[str, Case] = {
         *LIBRARY_CASES,
         *BATCH_CASES,
         *BRANCH_CASES,
+        HISTORY_CASE,
         *SERVER_CASES,
         *WINDOW_CASES,
         *CONTACT_CASES,

@@ -40,7 +40,7 @@ def main(episodes: int, steps: int) -> None:
     stepped: List[float] = []
     for _ in range(episodes):
         begin = time.monotonic()
-        _succeed(reset(keep_time=True))
+        _succeed(reset())
         for index, name in enumerate(_DISCS):
             _succeed(spawn(_DISC, name, "", Pose2D(-4.5 + 0.45 * index, -2.5, 0.0)))
         move.publish(MoveModelMsg("turtlebot", Pose2D(0.0, 1.0, 0.0)))

@@ -19,7 +19,7 @@ from flatland_server import Segments, from_segments
 _TRIES = 500
 _TRIES_OF_MODELS = 60
 
-_DRAWN = ("world", "goal_distance", "obstacles", "robot_scales")
+_DRAWN = ("world", "goal_distance", "margin", "obstacles", "robot_scales")
 OPTIONS = ("start", "goal", *_DRAWN)
 """The keys of `reset(options=...)`."""
 
@@ -88,9 +88,9 @@ class EpisodeSampler:
         Args:
             options: `start` ([x, y] or [x, y, yaw]) and `goal` ([x, y]), which are otherwise drawn,
                 or with several robots dicts of these by the robot's name, for all or some of them;
-                and `world`, `goal_distance`, `obstacles` and `robot_scales`, in place of the
-                environment's arguments, within what these have made: some of the worlds and sizes,
-                and as many obstacles at most.
+                and `world`, `goal_distance`, `margin`, `obstacles` and `robot_scales`, in place of
+                the environment's arguments, within what these have made: some of the worlds and
+                sizes, and at most this margin and as many obstacles.
 
         Raises:
             UsageError: an option is unknown or wrong.
@@ -107,6 +107,11 @@ class EpisodeSampler:
                 raise UsageError(
                     f"expected the option obstacles of at most {most}, the environment's largest "
                     f"number, found {settings.obstacles!r}"
+                )
+            if settings.margin > self._settings.margin:
+                raise UsageError(
+                    f"expected the option margin of at most {self._settings.margin:g} m, as in the "
+                    f"environment's arguments, found {settings.margin:g}"
                 )
         return Choice(
             tuple(self._indices(given)),
@@ -136,10 +141,11 @@ class EpisodeSampler:
             for option, own in zip(choice.ends, usual)
         ]
         seed = int(rng.integers(2**31))
-        if world.space.free_space(world.radius + self._settings.margin).area == 0.0:
+        margin = choice.settings.margin
+        if world.space.free_space(world.radius + margin).area == 0.0:
             raise UsageError(
                 f'the world "{world.name}" has no room for a robot of {world.radius:g} m radius '
-                f"and a margin of {self._settings.margin:g} m"
+                f"and a margin of {margin:g} m"
             )
         standing: Circles = [(disc.x, disc.y, disc.radius) for disc in world.standing]
         near_starts, near_goals = list(standing), list(standing)
@@ -191,7 +197,7 @@ class EpisodeSampler:
         rng: np.random.Generator,
     ) -> Tuple[Pose, Point]:
         """A start and a goal that are clear of the other robots' starts and goals."""
-        room = world.radius + self._settings.margin
+        room = world.radius + choice.settings.margin
         space = world.space.free_space(room)
 
         def fits(place: Sequence[float], others: Circles) -> bool:
@@ -244,20 +250,27 @@ class EpisodeSampler:
         count = len(world.scattered) + (int(rng.integers(low, high + 1)) if high else 0)
         places: Dict[str, Pose] = {}
         for number, disc in enumerate((*world.scattered, *world.obstacles)):
-            place = self._place(world, disc, taken, rng) if number < count else None
+            place = (
+                self._place(world, disc, settings.margin, taken, rng) if number < count else None
+            )
             places[disc.name] = place or parking_place(number)
             if place is not None:
                 taken.append((place.x, place.y, disc.radius))
         return places
 
     def _place(
-        self, world: NavigationWorld, disc: Disc, taken: Circles, rng: np.random.Generator
+        self,
+        world: NavigationWorld,
+        disc: Disc,
+        margin: float,
+        taken: Circles,
+        rng: np.random.Generator,
     ) -> Optional[Pose]:
         """A free place for a model; None if none was found."""
-        passage = disc.radius + 2 * (world.radius + self._settings.margin)
+        passage = disc.radius + 2 * (world.radius + margin)
         space = world.space.free_space(passage)
         if space.area == 0.0:  # too narrow to leave a passage: the model may be beside a wall
-            space = world.space.free_space(disc.radius + self._settings.margin)
+            space = world.space.free_space(disc.radius + margin)
         for _ in range(_TRIES_OF_MODELS if space.area else 0):
             x, y = space.point(rng)
             if _is_clear((x, y), passage, taken):
@@ -302,7 +315,7 @@ def _heading(rng: np.random.Generator) -> float:
 def _is_clear(place: Sequence[float], radius: float, discs: Circles) -> bool:
     """True if a disc overlaps no other one."""
     x, y = place
-    for a, b, r in discs:  # quicker than a generator
+    for a, b, r in discs:  # noqa: SIM110 (quicker than a generator)
         if not math.hypot(x - a, y - b) > radius + r:
             return False
     return True

@@ -1,12 +1,33 @@
 """Evaluation of a policy: success, collisions and durations."""
 
-from typing import Any, NamedTuple, Sequence
+from typing import Any, NamedTuple, Sequence, Union
 
 import numpy as np
 
 from flatland_gym.navigation_vector_env import NavigationVectorEnv
 from flatland_gym.policy import Policy
-from flatland_server import BoolArray, FloatArray
+from flatland_server import BoolArray, Float32Array, FloatArray
+
+
+class StraightDriver:
+    """Turns to the goal and drives at it, whatever is in the way: shows how much a world asks for.
+
+    Args:
+        beams: of the lidar.
+        size: of an action: the speed comes first, what turns the robot last.
+        speed: at most that of the robot [m/s].
+    """
+
+    def __init__(self, beams: int, size: int = 2, speed: float = 0.8) -> None:
+        self._beams, self._size, self._speed = beams, size, speed
+
+    def act(self, observations: Float32Array) -> FloatArray:
+        """Actions for flat observations, shape (n, size of an action)."""
+        bearings = np.arctan2(observations[:, self._beams + 2], observations[:, self._beams + 1])
+        found = np.zeros((len(observations), self._size))
+        found[:, 0] = np.where(np.abs(bearings) < 0.5, self._speed, 0.0)
+        found[:, -1] = 3.0 * bearings
+        return found
 
 
 class Evaluation(NamedTuple):
@@ -21,7 +42,7 @@ class Evaluation(NamedTuple):
 
 
 def evaluate(
-    policy: Policy, seeds: Sequence[int], threads: int = 1, **arguments: Any
+    policy: Union[Policy, StraightDriver], seeds: Sequence[int], threads: int = 1, **arguments: Any
 ) -> Evaluation:
     """Runs an episode of each seed; its result does not depend on the other seeds.
 

@@ -14,7 +14,7 @@ from flatland2d import BatchObservation, Simulation, UsageError
 from flatland_gym.episodes import EpisodeSampler, options_of
 from flatland_gym.fleet import Fleet, Motions, RobotSimulation, make_fleet
 from flatland_gym.navigation_world import NavigationWorld
-from flatland_gym.observations import as_dict, bounds, goal_distances
+from flatland_gym.observations import as_dict, bounds, goal_distances, neighbor_rows
 from flatland_gym.pictures import RENDER_MODES, picture, status_line, usable
 from flatland_gym.policy import Policy
 from flatland_gym.rewards import OtherModels, Transition, navigation_reward, navigation_termination
@@ -80,6 +80,7 @@ class Navigation:
         for world in self._worlds[1:]:
             _require_alike(self._worlds[0], world)
         self._others = tuple(dict.fromkeys(n for world in self._worlds for n in world.others))
+        self._radii = np.array([world.radii(self._others) for world in self._worlds])
         self._sampler = EpisodeSampler(self._worlds, settings)
         self._options: Dict[str, Any] = {}
         self._fleets: Dict[int, Fleet] = {}
@@ -280,12 +281,21 @@ class Navigation:
 
     def observe(self) -> Float32Array:
         """Flat observations of all robots: a new array."""
-        rows = self.rows
-        return self._observer.observe(rows.ranges, rows.poses, rows.local_velocities, self.goals)
+        rows, count = self.rows, self.settings.neighbors
+        flat = self._observer.observe(rows.ranges, rows.poses, rows.local_velocities, self.goals)
+        if not count:
+            return flat
+        poses, velocities = self._motions(np.arange(len(flat)))
+        radii = self._radii[self._world_of][..., None]
+        others = np.concatenate([poses[..., :2], velocities[..., :2], radii], axis=-1)
+        near = neighbor_rows(rows.poses, rows.local_velocities, others, count, self.robot.max_range)
+        return np.concatenate([flat, near], axis=1)
 
     def formed(self, observations: Float32Array) -> Any:
         """Observations in the form of the settings: flat, or as a dict."""
-        return observations if self.settings.flatten else as_dict(observations, self.robot.beams)
+        if self.settings.flatten:
+            return observations
+        return as_dict(observations, self.robot.beams, self.settings.neighbors)
 
     def info(self) -> Dict[str, Any]:
         """The entries of infos, for all robots: new arrays."""
@@ -308,6 +318,7 @@ class Navigation:
             robot.velocity_limits,
             robot.action_limits,
             self._period,
+            self.settings.neighbors,
         )
 
     def simulation(self, index: int) -> Simulation:
@@ -420,10 +431,11 @@ def judge(transition: Transition, settings: NavigationSettings) -> Tuple[FloatAr
 
 def observation_space(robot: Robot, settings: NavigationSettings) -> "spaces.Space[Any]":
     """The space of a robot's observations; see `observations`."""
-    ends = bounds(robot.beams, sum(limit > 0.0 for limit in robot.velocity_limits))
+    parts = sum(limit > 0.0 for limit in robot.velocity_limits)
+    ends = bounds(robot.beams, parts, settings.neighbors)
     if settings.flatten:
         return spaces.Box(*ends, dtype=np.float32)
-    low, high = (as_dict(end, robot.beams) for end in ends)
+    low, high = (as_dict(end, robot.beams, settings.neighbors) for end in ends)
     return spaces.Dict({key: spaces.Box(low[key], high[key], dtype=np.float32) for key in low})
 
 

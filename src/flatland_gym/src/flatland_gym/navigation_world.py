@@ -1,6 +1,7 @@
 """A world of an environment: loaded once, with the facts that its episodes need."""
 
 import itertools
+import math
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import Any, Dict, List, Mapping, Sequence, Set, Tuple
@@ -73,6 +74,12 @@ class NavigationWorld:
     def others(self) -> Tuple[str, ...]:
         """The names of all models but the robots."""
         return tuple(disc.name for disc in (*self.standing, *self.scattered, *self.obstacles))
+
+    def radii(self, names: Sequence[str]) -> List[float]:
+        """The radii of other models and of the robot together [m]; NaN for models not in it."""
+        discs = (*self.standing, *self.scattered, *self.obstacles)
+        own = {disc.name: disc.radius + self.radius for disc in discs}
+        return [own.get(name, math.nan) for name in names]
 
     @classmethod
     def load(

@@ -14,6 +14,7 @@ import numpy as np
 
 from flatland2d import FlatlandError, UsageError
 from flatland_gym.networks import layer_values
+from flatland_gym.observations import NEIGHBOR, neighbor_rows
 from flatland_server import Float32Array, FloatArray, PoseLike
 from flatland_server._core import GoalObserver
 from flatland_server.config.input_files import MIB, read_input
@@ -44,6 +45,7 @@ class Policy:
         velocity_limits: see `Robot.velocity_limits`.
         action_limits: see `Robot.action_limits`.
         period: between two actions [s].
+        neighbors: how many of the nearest other models it is told about.
     """
 
     weights: Tuple[Float32Array, ...]
@@ -53,6 +55,7 @@ class Policy:
     velocity_limits: Tuple[float, ...]
     action_limits: Tuple[float, ...]
     period: float
+    neighbors: int = 0
 
     def act(self, observations: Float32Array) -> Float32Array:
         """The actions for flat observations: shape (n, size of an action), within the limits.
@@ -73,7 +76,9 @@ class Policy:
         actions: Float32Array = np.clip(outputs, -1.0, 1.0) * limits
         return actions
 
-    def drive(self, ranges: Any, pose: PoseLike, velocity: Any, goal: Any) -> List[float]:
+    def drive(
+        self, ranges: Any, pose: PoseLike, velocity: Any, goal: Any, neighbors: Any = None
+    ) -> List[float]:
         """The action for the measurements of a robot that runs outside of an environment.
 
         Args:
@@ -81,9 +86,11 @@ class Policy:
             pose: x, y [m] and yaw [rad].
             velocity: in the robot's frame: forwards, to the left, turning [m/s, m/s, rad/s].
             goal: x, y [m], in the frame of the pose.
+            neighbors: other models, for a policy with neighbours: shape (m, 5), x, y [m], vx, vy
+                [m/s] in the frame of the pose, and the radius of the model and the robot together.
 
         Raises:
-            UsageError: a shape is another one, or a number is not finite.
+            UsageError: neighbours are missing, a shape is another one, or a number is not finite.
         """
         rows = _row("pose", pose, 3), _row("velocity", velocity, 3), _row("goal", goal, 2)
         scan = np.array([ranges], np.float32)
@@ -91,7 +98,12 @@ class Policy:
         if scan.shape[1:] != (self.beams,):
             raise UsageError(f"expected {self.beams} ranges, found shape {scan.shape[1:]}")
         observer = GoalObserver(self.beams, self.max_range, self.velocity_limits)
-        action: List[float] = self.act(observer.observe(scan, *rows))[0].tolist()
+        observation = observer.observe(scan, *rows)
+        if self.neighbors:
+            near = _neighbors(neighbors)
+            parts = neighbor_rows(*rows[:2], near[None], self.neighbors, self.max_range)
+            observation = np.concatenate([observation, parts], axis=1)
+        action: List[float] = self.act(observation)[0].tolist()
         return action
 
     def save(self, path: Union[str, "os.PathLike[str]"]) -> None:
@@ -132,6 +144,7 @@ class Policy:
                 tuple(content["velocity_limits"].tolist()),
                 tuple(content["action_limits"].tolist()),
                 float(content["period"]),
+                int(content.get("neighbors", 0)),  # not in files of former versions
             )
             policy._require_sound()
             return policy
@@ -150,7 +163,9 @@ class Policy:
         if not all(0.0 < value < math.inf for value in (self.period, self.max_range)):
             raise ValueError(f"its period is {self.period} s, its range {self.max_range} m")
         parts = sum(limit > 0.0 for limit in self.velocity_limits)
-        size = self.beams + 3 + parts
+        if self.neighbors < 0:
+            raise ValueError(f"it has {self.neighbors} neighbours")
+        size = self.beams + 3 + parts + NEIGHBOR * self.neighbors
         for weight, bias in zip(self.weights, self.biases):
             if weight.ndim != 2 or weight.shape[0] != size or bias.shape != weight.shape[1:]:
                 raise ValueError(f"a layer of {size} inputs has shape {weight.shape}, {bias.shape}")
@@ -205,3 +220,22 @@ def _row(name: str, value: Any, size: int) -> FloatArray:
     if row.shape != (1, size) or not np.isfinite(row).all():
         raise UsageError(f"expected the {name} as {size} finite numbers, found {value!r:.80}")
     return row
+
+
+def _neighbors(value: Any) -> FloatArray:
+    """Other models as an array of a row for each.
+
+    Raises:
+        UsageError: they are something else.
+    """
+    try:
+        found = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        found = np.empty(0)
+    found = found.reshape(0, 5) if value is not None and not found.size else found
+    if found.ndim != 2 or found.shape[1] != 5 or not np.isfinite(found).all():
+        raise UsageError(
+            "expected the neighbors, for which the policy was trained, as rows of x, y, vx, vy and "
+            f"radius, found {value!r:.80}"
+        )
+    return found

@@ -26,7 +26,7 @@ class PolicyNode:
         report: called with what makes the policy give up a goal, such as `rospy.logerr`.
 
     Raises:
-        UsageError: the policy has other actions than a speed and a yaw rate.
+        UsageError: the policy has other actions than a speed and a yaw rate, or neighbours.
     """
 
     def __init__(
@@ -38,6 +38,11 @@ class PolicyNode:
     ) -> None:
         if len(policy.action_limits) != 2:
             raise UsageError("expected a policy for two numbers, a speed and a yaw rate")
+        if policy.neighbors:
+            raise UsageError(
+                "expected a policy that drives by its lidar alone, found one with "
+                f"neighbors={policy.neighbors}: no topic has the motions of other models"
+            )
         self._policy = policy
         self._publisher = publisher
         self._goal_radius = goal_radius

@@ -7,7 +7,7 @@ enough for matrices of 64 x 64 and tens of thousands of rows at a time.
 import math
 import time
 from dataclasses import dataclass
-from typing import Any, Callable, List, NamedTuple, Tuple
+from typing import Callable, List, NamedTuple, Tuple
 
 import numpy as np
 
@@ -42,13 +42,58 @@ class PpoSettings:
     rollout: int = 64
     minibatch: int = 1024
     epochs: int = 6
-    learning_rate: float = 1e-3
+    learning_rate: float = 5e-4
     discount: float = 0.99
     trace: float = 0.95
     clip: float = 0.2
     entropy: float = 1e-3
     hidden: Tuple[int, ...] = (64, 64)
     log_std: float = -0.5
+
+
+class Scale:
+    """Normalises observations by their means and standard deviations so far.
+
+    Args:
+        size: of an observation.
+    """
+
+    _LEAST = 0.05  # standard deviation
+
+    def __init__(self, size: int) -> None:
+        self._count = 0
+        self._mean, self._variance = np.zeros(size), np.zeros(size)
+        self._set(np.zeros(size), np.ones(size))
+
+    @property
+    def is_known(self) -> bool:
+        """True if it has learnt from rows."""
+        return self._count > 0
+
+    def of(self, rows: Float32Array) -> Float32Array:
+        """Normalised observations."""
+        return (rows - self._shift) / self._width
+
+    def take(self, rows: Float32Array) -> None:
+        """Learns from normalised observations; those before count as well."""
+        mean = self._shift + self._width * rows.mean(axis=0, dtype=np.float64)
+        variance = self._width**2 * rows.var(axis=0, dtype=np.float64)
+        part = len(rows) / (self._count + len(rows))
+        away = mean - self._mean
+        self._mean += part * away
+        self._variance += part * (variance - self._variance + (1.0 - part) * away**2)
+        self._count += len(rows)
+        self._set(self._mean, np.maximum(np.sqrt(self._variance), self._LEAST))
+
+    def folded(
+        self, weights: Float32Array, biases: Float32Array
+    ) -> Tuple[Float32Array, Float32Array]:
+        """A first layer for observations as they are."""
+        scaled = weights / self._width[:, None]
+        return scaled, biases - self._shift @ scaled
+
+    def _set(self, shift: FloatArray, width: FloatArray) -> None:
+        self._shift, self._width = shift.astype(np.float32), width.astype(np.float32)
 
 
 class Progress(NamedTuple):
@@ -113,9 +158,11 @@ class Ppo:
         self._log_std = np.full(len(self._limits), settings.log_std, np.float32)
         parameters = [*self._actor.parameters, *self._critic.parameters, self._log_std]
         self._optimiser = Adam(parameters)
-        self._observations, _ = env.reset(seed=seed)
         self._rewards = np.zeros(env.num_envs)
         self._ended: List[Tuple[bool, float]] = []
+        self._observations, _ = env.reset(seed=seed)
+        self._scale = Scale(size)
+        self._seed = seed
 
     def train(
         self,
@@ -139,9 +186,10 @@ class Ppo:
             TrainingInterrupted: Ctrl-C.
         """
         started, done = time.monotonic(), 0
-        total, unit = (seconds, "s") if seconds < math.inf else (steps, "steps")
-        bar = _bar(total, unit) if progress_bar else None
+        bar = TrainingBar(steps, seconds) if progress_bar else None
         try:
+            if not self._scale.is_known:
+                self._learn_scale()
             while done < steps and time.monotonic() - started < seconds:
                 spent = (time.monotonic() - started) / seconds if seconds < math.inf else 0.0
                 part = min(max(done / steps, spent), 1.0)
@@ -151,10 +199,10 @@ class Ppo:
                 done += self._settings.rollout * self._env.num_envs
                 elapsed = time.monotonic() - started
                 means = np.mean(self._ended, axis=0) if self._ended else (math.nan, math.nan)
-                report(Progress(done, elapsed, len(self._ended), float(means[0]), float(means[1])))
+                now = Progress(done, elapsed, len(self._ended), float(means[0]), float(means[1]))
+                report(now)
                 if bar is not None:
-                    bar.set_postfix_str(f"{done} steps, success {means[0]:.1%}", refresh=False)
-                    bar.update(min(elapsed if unit == "s" else done, total) - bar.n)
+                    bar.show(now)
         except KeyboardInterrupt:
             raise TrainingInterrupted(self.policy()) from None
         finally:
@@ -166,7 +214,15 @@ class Ppo:
         """The policy as it is now."""
         layers = self._actor.weights, self._actor.biases
         weights, biases = ([array.copy() for array in arrays] for arrays in layers)
+        weights[0], biases[0] = self._scale.folded(weights[0], biases[0])
         return self._env.navigation.policy(weights, biases)
+
+    def _learn_scale(self) -> None:
+        """Makes a rollout for the scale alone: at a reset all stand still."""
+        rows = self._roll_out().observations
+        self._scale.take(rows.reshape(-1, rows.shape[-1]))
+        self._observations, _ = self._env.reset(seed=self._seed)
+        self._rewards[:] = 0.0
 
     def _roll_out(self) -> _Rollout:
         """Collects a rollout of all environments."""
@@ -180,12 +236,12 @@ class Ppo:
         ends = np.empty(shape, bool)
         std = np.exp(self._log_std)
         for step in range(settings.rollout):
-            observations[step] = self._observations
-            mean = self._actor.forward(self._observations)[-1]
+            seen = observations[step] = self._scale.of(self._observations)
+            mean = self._actor.forward(seen)[-1]
             noise = self._rng.standard_normal(mean.shape, dtype=np.float32)
             actions[step] = mean + std * noise
             log_probabilities[step] = (-0.5 * (noise**2 + _LOG_TWO_PI) - self._log_std).sum(axis=1)
-            values[step] = self._critic.forward(self._observations)[-1][:, 0]
+            values[step] = self._critic.forward(seen)[-1][:, 0]
             self._observations, rewards[step], terminated, truncated, infos = self._env.step(
                 np.clip(actions[step], -1.0, 1.0) * self._limits
             )
@@ -205,7 +261,9 @@ class Ppo:
             last = last.copy()
             for index in np.flatnonzero(ended):
                 last[index] = infos["final_obs"][index]
-        values: Float32Array = np.where(terminated, 0.0, self._critic.forward(last)[-1][:, 0])
+        values: Float32Array = np.where(
+            terminated, 0.0, self._critic.forward(self._scale.of(last))[-1][:, 0]
+        )
         return values
 
     def _note(self, rewards: Float32Array, ended: BoolArray, infos: dict) -> None:  # type: ignore[type-arg]
@@ -225,6 +283,7 @@ class Ppo:
             for start in range(0, size, minibatch):
                 chosen = order[start : start + minibatch]
                 self._descend(_Rollout(*(each[chosen] for each in flat)), rate)
+        self._scale.take(flat.observations)
 
     def _descend(self, rows: _Rollout, rate: float) -> None:
         """Makes a step of the optimiser: the gradients of PPO's clipped objective."""
@@ -247,13 +306,38 @@ class Ppo:
         self._optimiser.step([*actor, *critic, log_std], rate)
 
 
-def _bar(total: float, unit: str) -> Any:
-    """A bar of tqdm, for a terminal or a notebook."""
-    try:
-        from tqdm.auto import tqdm
-    except ImportError:
-        raise MissingPackageError("a progress bar needs tqdm: pip install tqdm") from None
-    return tqdm(total=total, unit=unit, bar_format=_BAR)
+class TrainingBar:
+    """A bar of tqdm, for a terminal or a notebook: of the time, or of the steps without a limit.
+
+    Args:
+        steps: to train at most.
+        seconds: to train at most.
+
+    Raises:
+        MissingPackageError: tqdm is not installed.
+    """
+
+    def __init__(self, steps: int, seconds: float) -> None:
+        try:
+            from tqdm.auto import tqdm
+        except ImportError:
+            raise MissingPackageError("a progress bar needs tqdm: pip install tqdm") from None
+        self._is_timed = seconds < math.inf
+        self._bar = tqdm(
+            total=seconds if self._is_timed else steps,
+            unit="s" if self._is_timed else "steps",
+            bar_format=_BAR,
+        )
+
+    def show(self, now: Progress) -> None:
+        """Shows the progress."""
+        bar = self._bar
+        bar.set_postfix_str(f"{now.steps} steps, success {now.success:.1%}", refresh=False)
+        bar.update(min(now.seconds if self._is_timed else now.steps, bar.total) - bar.n)
+
+    def close(self) -> None:
+        """Leaves the bar as it is."""
+        self._bar.close()
 
 
 def _advantages(

@@ -8,7 +8,7 @@ from gymnasium import spaces
 
 from flatland2d import UsageError
 from flatland_gym.policy import Policy
-from flatland_gym.ppo import Progress, TrainingInterrupted
+from flatland_gym.ppo import Progress, TrainingBar, TrainingInterrupted
 from flatland_gym.sb3 import NavigationVecEnv
 from flatland_server import Float32Array
 
@@ -82,6 +82,7 @@ def train(
     steps: int,
     seconds: float,
     report: Callable[[Progress], None],
+    progress_bar: bool = False,
 ) -> Policy:
     """Trains by PPO with `PPO_ARGUMENTS`, and closes the environments.
 
@@ -91,18 +92,28 @@ def train(
         steps: to train at most, of all environments together.
         seconds: to train at most.
         report: called after each rollout.
+        progress_bar: whether tqdm shows a bar, as in `Ppo.train`.
 
     Raises:
         TrainingInterrupted: Ctrl-C.
     """
+    bar = TrainingBar(steps, seconds) if progress_bar else None
+
+    def show(now: Progress) -> None:
+        report(now)
+        if bar is not None:
+            bar.show(now)
+
     torch.set_num_threads(1)  # quicker than two for networks of 64 x 64
     model = PPO("MlpPolicy", VecMonitor(ScaledActions(env)), seed=seed, **PPO_ARGUMENTS)
     try:
-        model.learn(steps, callback=_Report(seconds, report))
+        model.learn(steps, callback=_Report(seconds, show))
     except KeyboardInterrupt:
         raise TrainingInterrupted(policy_of(model)) from None
     finally:
         env.close()
+        if bar is not None:
+            bar.close()
     return policy_of(model)
 
 

@@ -24,6 +24,7 @@ class NavigationSettings:
         robot: the model that is driven; by default the only one with a drive and a lidar.
         lidar: the name of its lidar, if it has several.
         beams: number of beams, evenly over the angle of its lidar; None leaves them as they are.
+        neighbors: how many of the nearest other models are in an observation, with their velocities.
         step_size: of the physics [s].
         frame_skip: physics steps in a step of the environment.
         flatten: whether observations are one array, or a dict of ranges, goal and velocity.
@@ -53,6 +54,7 @@ class NavigationSettings:
     robot: Optional[str] = None
     lidar: Optional[str] = None
     beams: Optional[int] = None
+    neighbors: int = 0
     step_size: float = 0.05
     frame_skip: int = 1
     flatten: bool = True
@@ -80,6 +82,8 @@ class NavigationSettings:
             value = getattr(self, name)
             if not (value is None and name == "beams"):
                 _require(name, value, is_whole(value) and value >= 1, "a whole number above 0")
+        is_count = is_whole(self.neighbors) and self.neighbors >= 0
+        _require("neighbors", self.neighbors, is_count, "a whole number of 0 or more")
         _require("world", self.world, self.worlds, "a world, or one at least in a sequence")
         for name in ("step_size", "goal_radius", "speed_limit", "yaw_rate_limit", "steer_limit"):
             _require_number(name, getattr(self, name), above=0.0)

@@ -1,6 +1,6 @@
 """Drives the robots of a sweep (`flatland sweep`) by a trained policy."""
 
-from typing import Dict
+from typing import Dict, List, Tuple
 
 from flatland2d import SensorHandle, UsageError
 from flatland2d.sweep import SweepRun
@@ -12,7 +12,8 @@ def drive(run: SweepRun, file: str) -> None:
     """A controller of sweeps: acts in the policy's own period until the run is over.
 
     Args:
-        run: has a goal, and a robot with a lidar that has as many beams as the policy's.
+        run: has a goal, and a robot with a lidar that has as many beams as the policy's. A policy
+            with neighbours is told the true motions of the other models.
         file: of the policy.
 
     Raises:
@@ -24,9 +25,20 @@ def drive(run: SweepRun, file: str) -> None:
         raise UsageError("expected a goal for the policy to drive to, found none")
     while run.is_running:
         robot = run.robot
-        action = policy.drive(lidar.read(), robot.pose, robot.local_velocity, run.goal)
-        robot.command(*action)
+        neighbors = _neighbors_of(run) if policy.neighbors else None
+        measured = lidar.read(), robot.pose, robot.local_velocity
+        robot.command(*policy.drive(*measured, run.goal, neighbors))
         run.step(policy.period)
+
+
+def _neighbors_of(run: SweepRun) -> List[Tuple[float, ...]]:
+    """The other models, as a policy takes them."""
+    own = run.robot.model
+    return [
+        (*model.pose[:2], *model.base.physics_body.velocity[:2], model.radius + own.radius)
+        for model in run.simulation.world.models.values()
+        if model is not own
+    ]
 
 
 def _lidar_of(run: SweepRun, beams: int) -> SensorHandle[Float32Array]:

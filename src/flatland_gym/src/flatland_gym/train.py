@@ -5,6 +5,7 @@ import importlib.util
 import math
 import os
 import sys
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
 
@@ -12,9 +13,11 @@ import numpy as np
 import yaml
 
 from flatland2d import FlatlandError, MissingPackageError
+from flatland2d.sweep.intervals import rate
 from flatland_gym.policy import Policy
 
 if TYPE_CHECKING:
+    from flatland_gym.evaluation import Evaluation
     from flatland_gym.ppo import Progress
 
 # Modules that need Gymnasium are imported where they are used: `main` reports its absence.
@@ -40,7 +43,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
 
 
 def _train(options: argparse.Namespace) -> int:
-    from flatland_gym.evaluation import evaluate
+    from flatland_gym.evaluation import StraightDriver, evaluate
     from flatland_gym.ppo import TrainingInterrupted
 
     _require_place(options.policy)  # before the training, not after it
@@ -55,7 +58,7 @@ def _train(options: argparse.Namespace) -> int:
         **dict(options.set),
     }
     progress: List[Progress] = []
-    has_bar = options.library == "numpy" and _has_bar()
+    has_bar = _has_bar()
 
     def report(now: "Progress") -> None:
         progress.append(now)
@@ -70,7 +73,7 @@ def _train(options: argparse.Namespace) -> int:
             )
 
     learn = _learn_by_sb3 if options.library == "sb3" else _learn
-    is_interrupted = False
+    is_interrupted, begin = False, time.process_time()
     try:
         policy = learn(options, settings, report)
     except TrainingInterrupted as interruption:
@@ -82,13 +85,23 @@ def _train(options: argparse.Namespace) -> int:
         done = progress[-1].steps if progress else 0
         print(f"{options.policy}: interrupted after {done} steps", file=sys.stderr)
         return _INTERRUPTED
+    steps, used = progress[-1].steps, time.process_time() - begin
+    print(f"trained: {steps} steps, {used:.0f} s of processor time")
     seeds = range(_FIRST_UNSEEN, _FIRST_UNSEEN + options.episodes)
     result = evaluate(policy, seeds, options.threads, **settings)
-    print(
-        f"{options.policy}: success {100 * result.success.mean():.1f} %, collisions "
-        f"{100 * result.collision.mean():.1f} %, of {options.episodes} episodes with new seeds"
-    )
+    print(f"{options.policy}: {_rates(result)}, of {options.episodes} episodes with new seeds")
+    straight = StraightDriver(policy.beams, len(policy.action_limits))
+    print(f"straight at the goal: {_rates(evaluate(straight, seeds, options.threads, **settings))}")
     return 0
+
+
+def _rates(result: "Evaluation") -> str:
+    """The rates of an evaluation, with intervals of 95 % confidence."""
+    parts = []
+    for name, found in (("success", result.success), ("collisions", result.collision)):
+        part, low, high = (100.0 * value for value in rate(int(found.sum()), len(found)))
+        parts.append(f"{name} {part:.1f} % ({low:.1f} to {high:.1f})")
+    return ", ".join(parts)
 
 
 def _learn(
@@ -119,7 +132,7 @@ def _learn_by_sb3(
     from flatland_gym.sb3_training import train
 
     env = NavigationVecEnv(options.envs, threads=options.threads, **settings)
-    return train(env, options.seed, options.steps, 60.0 * options.minutes, report)
+    return train(env, options.seed, options.steps, 60.0 * options.minutes, report, _has_bar())
 
 
 def save_curve(progress: List["Progress"], path: Path) -> None:

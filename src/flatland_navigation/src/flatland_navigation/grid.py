@@ -59,6 +59,20 @@ class Grid:
         grid._block(walls)
         return grid
 
+    def encloses(self, point: Point, other: Point) -> bool:
+        """True if closed walls lie around one of two points [m] alone, as around furniture.
+
+        By the even-odd rule: from within, one crosses an odd number of closed walls.
+        """
+        x1, y1, x2, y2 = _closed(self.walls).T
+        inside = []
+        for x, y in (point, other):
+            crosses = (y1 > y) != (y2 > y)
+            # A ray to the right: the wall's x there, without a division by zero.
+            height = np.where(crosses, y2 - y1, 1.0)
+            inside.append((crosses & (x1 + (y - y1) / height * (x2 - x1) > x)).sum() % 2)
+        return bool(inside[0] != inside[1])
+
     def with_obstacles(self, points: FloatArray) -> "Grid":
         """A copy in which the surroundings of further points [m] are blocked: shape (n, 2)."""
         # One point of each small square represents the others in it.
@@ -154,3 +168,13 @@ class Grid:
             squares = squared_distances(x - x1, (y - y1)[:, np.newaxis], (x2 - x1, y2 - y1))
             near = squares < reach**2
             self.free[bottom:top, left:right] &= ~near
+
+
+def _closed(walls: Segments) -> Segments:
+    """The walls without those that have a loose end, and those that then have one."""
+    while True:
+        ends = np.unique(np.round(walls.reshape(-1, 2), 6), axis=0, return_inverse=True)[1].ravel()
+        is_loose = (np.bincount(ends) == 1)[ends].reshape(-1, 2).any(axis=1)
+        if not is_loose.any():
+            return walls
+        walls = walls[~is_loose]

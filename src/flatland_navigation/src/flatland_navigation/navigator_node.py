@@ -63,7 +63,9 @@ class NavigatorNode:
             "move_base_simple/goal", PoseStamped, self._on_simple_goal, queue_size=1
         )
         self._scans = ScanReader("scan")
-        self._localization = Localization(parameters.pose_source, parameters.map_frame)
+        self._localization = Localization(
+            parameters.pose_source, parameters.map_frame, parameters.odom_topic
+        )
         self._odometry = rospy.Subscriber(
             self._localization.topic,
             Odometry,

@@ -24,6 +24,7 @@ class NodeParameters(NamedTuple):
     resolution: float
     clearance: float
     pose_source: str
+    odom_topic: str
     map_frame: str
     control_period: float
     navigator: NavigatorConfig
@@ -58,6 +59,7 @@ class NodeParameters(NamedTuple):
             _positive("resolution", 0.1),
             _positive("clearance", 0.07),
             str(pose_source),
+            str(rospy.get_param("~odom_topic", "odometry/filtered")),
             str(rospy.get_param("~map_frame", "map")),
             1.0 / _positive("control_rate", 20.0),
             NavigatorConfig(

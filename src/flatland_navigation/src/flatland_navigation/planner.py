@@ -37,14 +37,15 @@ def plan(grid: Grid, start: Point, goal: Point) -> FloatArray:
         Corners of the path, start and goal included [m]: shape (n, 2), n >= 2.
 
     Raises:
-        PlanningError: the goal is outside of the map, too near to a wall, or not connected with
-            the start.
+        PlanningError: the goal is outside of the map, inside an obstacle, too near to a wall, or
+            not connected with the start.
     """
-    goal_cell = _goal_cell(grid, goal)
+    goal_cell = _goal_cell(grid, start, goal)
     start_cell = _start_cell(grid, start)
     # Searched backwards: a goal enclosed by walls is detected at once.
     cells = shortest_path(grid.free, goal_cell, start_cell)
     if not cells:
+        _refuse_inside(grid, start, goal)
         raise PlanningError(f"there is no path from {_text(start)} to {_text(goal)}")
     middle = [grid.centre_of(cell) for cell in reversed(cells)]
     return shortcut(grid, np.array([start, *middle, goal]))
@@ -117,7 +118,12 @@ def shortcut(grid: Grid, path: FloatArray) -> FloatArray:
     return np.asarray(path[[*corners, len(path) - 1]])
 
 
-def _goal_cell(grid: Grid, goal: Point) -> Cell:
+def _refuse_inside(grid: Grid, start: Point, goal: Point) -> None:
+    if grid.encloses(goal, start):
+        raise PlanningError(f"the goal {_text(goal)} is inside an obstacle")
+
+
+def _goal_cell(grid: Grid, start: Point, goal: Point) -> Cell:
     cell = grid.cell_of(goal)
     if cell is None:
         left, bottom, right, top = grid.bounds
@@ -127,6 +133,7 @@ def _goal_cell(grid: Grid, goal: Point) -> Cell:
         )
     distance = grid.distance_to_wall(goal)
     if distance < grid.clearance:
+        _refuse_inside(grid, start, goal)
         raise PlanningError(
             f"the goal {_text(goal)} is {distance:.2f} m from a wall; "
             f"the robot's centre must be at least {grid.clearance:.2f} m from walls"

@@ -22,15 +22,16 @@ class Localization:
     """The robot's pose on the map, from an odometry message.
 
     Args:
-        source: "ground_truth", the topic odometry/ground_truth; or "tf", the topic
-            odometry/filtered and the newest transform from the map to its frame.
+        source: "ground_truth", the topic odometry/ground_truth; or "tf", the topic of odometry
+            and the newest transform from the map to its frame.
         map_frame: the frame of the map.
+        odom_topic: the topic of odometry.
     """
 
-    def __init__(self, source: str, map_frame: str) -> None:
+    def __init__(self, source: str, map_frame: str, odom_topic: str) -> None:
         self._map_frame = map_frame
-        self._tf: Optional[_Transforms] = _Transforms() if source == "tf" else None
-        self.topic = "odometry/filtered" if source == "tf" else "odometry/ground_truth"
+        self._tf: Optional[Transforms] = Transforms() if source == "tf" else None
+        self.topic = odom_topic if source == "tf" else "odometry/ground_truth"
         """The topic of the odometry."""
 
     def pose(self, message: Any) -> Optional[Pose]:
@@ -78,7 +79,7 @@ class ScanReader:
 
     def __init__(self, topic: str) -> None:
         self._newest: Any = None
-        self._tf: Optional[_Transforms] = None
+        self._tf: Optional[Transforms] = None
         self._mount: Optional[Tuple[Pose, bool]] = None
         self._subscriber = rospy.Subscriber(
             topic, LaserScan, self._on_scan, queue_size=1, buff_size=2**20, tcp_nodelay=True
@@ -103,7 +104,7 @@ class ScanReader:
 
     def _find_mount(self, base_frame: str, laser_frame: str) -> Optional[Tuple[Pose, bool]]:
         if self._tf is None:
-            self._tf = _Transforms()
+            self._tf = Transforms()
         transform = self._tf.find(base_frame, laser_frame)
         if transform is None:
             return None
@@ -111,17 +112,17 @@ class ScanReader:
         return transform_to_pose(transform), is_upside_down(transform)
 
 
-class _Transforms:
+class Transforms:
     """The newest transforms of /tf and /tf_static."""
 
     def __init__(self) -> None:
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
 
-    def find(self, parent: str, child: str) -> Any:
-        """The newest geometry_msgs/Transform from a frame to another; None if it is not known."""
+    def find(self, parent: str, child: str, time: Any = rospy.Time()) -> Any:  # noqa: B008
+        """A geometry_msgs/Transform from a frame to another, or None; by default the newest one."""
         try:
-            return self._buffer.lookup_transform(parent, child, rospy.Time(0)).transform
+            return self._buffer.lookup_transform(parent, child, time).transform
         except _TF_ERRORS:
             return None
 

@@ -1,6 +1,7 @@
 """The node send_goals: sends a robot to one goal after another, with move_base or the navigator."""
 
 import sys
+import time
 from typing import List
 
 import actionlib
@@ -15,8 +16,9 @@ from flatland_server import FlatlandError, Pose, fill_pose
 def main() -> int:
     """Sends the goals of `~goals`.
 
-    If `~loop` is set, they are sent again and again, until none of them is reached: goals that are
-    refused would otherwise be sent again at once, for ever.
+    If `~score` is set, it waits for the node score first. If `~loop` is set, they are sent
+    again and again, until none of them is reached: goals that are refused would otherwise be
+    sent again at once, for ever.
 
     Returns:
         The exit code: 1 if a goal was not reached.
@@ -31,6 +33,8 @@ def main() -> int:
     if not client.wait_for_server():
         return 0  # shut down before
     rospy.on_shutdown(client.cancel_all_goals)
+    if rospy.get_param("~score", False):
+        _wait_for_listeners(client, 2)  # move_base, and the node score
     reached = _send_all(client, goals)
     while reached and rospy.get_param("~loop", False) and not rospy.is_shutdown():
         reached = _send_all(client, goals)
@@ -38,6 +42,12 @@ def main() -> int:
         return 0
     rospy.loginfo("%d of %d goals reached", reached, len(goals))
     return 0 if reached == len(goals) else 1
+
+
+def _wait_for_listeners(client: actionlib.SimpleActionClient, count: int) -> None:
+    """Waits until so many nodes receive goals; each would miss earlier ones."""
+    while client.action_client.pub_goal.get_num_connections() < count and not rospy.is_shutdown():
+        time.sleep(0.02)
 
 
 def _send_all(client: actionlib.SimpleActionClient, goals: List[Pose]) -> int:

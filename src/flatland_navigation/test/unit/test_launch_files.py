@@ -221,3 +221,29 @@ def test_without_the_stack_one_line_says_so_and_nothing_is_started(launch):
     assert result.returncode == 1
     assert "process[" not in result.stdout
     assert "started roslaunch server" not in result.stdout
+
+
+def test_the_filter_has_the_robots_frames_topics_and_start():
+    config = load("ekf.launch", "ns:=r1", "x:=2.0", "yaw:=0.5")
+    ekf = params_of(config, "/r1/ekf")
+
+    assert (ekf["odom_frame"], ekf["base_link_frame"]) == ("r1_odom", "r1_base_link")
+    assert (ekf["odom0"], ekf["imu0"]) == ("wheel_odom", "imu/data")  # of the realistic robot
+    assert ekf["initial_state"][:6] == [2.0, 0.0, 0.0, 0.0, 0.0, 0.5]
+    # Velocities alone: the wheels' pose is their integral.
+    assert not any(ekf["odom0_config"][:6])
+    assert len(ekf["odom0_config"]) == len(ekf["imu0_config"]) == len(ekf["initial_state"]) == 15
+    assert remaps_of(nodes_of(config)["/r1/ekf"]) == {("odometry/filtered", "odometry/filtered")}
+
+
+def test_either_the_filter_or_the_drive_sends_the_transform(stack):
+    for ekf in (True, False):
+        config = load("robot.launch", "ns:=r1", f"ekf:={str(ekf).lower()}")
+        assert config.params["/wheel_odom_tf"].value is not ekf
+        assert ("/r1/ekf" in nodes_of(config)) == ekf
+
+
+def test_the_score_is_there_if_asked_for(stack):
+    for score in (True, False):
+        config = load("robot.launch", "ns:=r1", f"score:={str(score).lower()}")
+        assert ("/r1/score" in nodes_of(config)) == score

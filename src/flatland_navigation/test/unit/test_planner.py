@@ -10,6 +10,9 @@ from flatland_navigation.planner import PlanningError, plan, shortcut, shortest_
 
 ROOM = np.array([[0.0, 0, 6, 0], [6, 0, 6, 4], [6, 4, 0, 4], [0, 4, 0, 0]])
 PARTITION = np.array([[3.0, 0, 3, 3]])
+NICHE = np.array(
+    [[4.7, 4.0, 4.7, 3.7], [4.7, 3.4, 4.7, 2.7], [4.7, 2.7, 6, 2.7]]
+)  # too narrow to enter
 CELL = np.array([[4.0, 1, 5, 1], [5, 1, 5, 2], [5, 2, 4, 2], [4, 2, 4, 1]])
 
 
@@ -109,12 +112,16 @@ def test_a_start_beside_a_wall_is_left_on_a_straight_line():
     [
         ((1, 1), (7, 1), r"\(7.00, 1.00\) is outside of the map, which spans x from 0 to 6"),
         ((1, 1), (5.9, 1), r"\(5.90, 1.00\) is 0.10 m from a wall; .* at least 0.25 m"),
-        ((1, 1), (4.5, 1.5), r"no path from \(1.00, 1.00\) to \(4.50, 1.50\)"),
+        ((1, 1), (4.5, 1.5), r"\(4.50, 1.50\) is inside an obstacle"),
+        ((1, 1), (4.1, 1.1), r"\(4.10, 1.10\) is inside an obstacle"),
+        ((1, 1), (3.9, 1.5), r"is 0.10 m from a wall"),
+        ((1, 1), (2.1, 1), r"is 0.10 m from a wall"),  # behind a wall that is open
+        ((1, 1), (5.5, 3.5), r"no path from \(1.00, 1.00\) to \(5.50, 3.50\)"),
         ((-1, 1), (1, 1), r"the robot is outside of the map, at \(-1.00, 1.00\)"),
     ],
 )
 def test_a_goal_that_cannot_be_reached_has_a_reason(start, goal, reason):
-    grid = Grid.from_walls(np.vstack([ROOM, CELL]), 0.25, 0.1)
+    grid = Grid.from_walls(np.vstack([ROOM, CELL, PARTITION - [1, 0, 1, 0], NICHE]), 0.25, 0.1)
 
     with pytest.raises(PlanningError, match=reason):
         plan(grid, start, goal)

@@ -35,8 +35,9 @@ class Odometry(NamedTuple):
 class OdometryPlugin(ModelPlugin):
     """Publishes a body's odometry with errors, the ground truth, its twist and its transform.
 
-    Drift and the noise of the pose are in the odometry and the transform, the noise of the velocity
-    is in the odometry and the twist. If a model is moved, its odometry moves with it.
+    Drift is in all but the ground truth: the velocity is the one that the wheels measure, and the
+    pose its integral. The noise of the pose is in the odometry and the transform, that of the
+    velocity in the odometry and the twist. If a model is moved, its odometry moves with it.
     """
 
     quantities = ("ground_truth",)
@@ -46,17 +47,20 @@ class OdometryPlugin(ModelPlugin):
         self._odom_frame = self.get_frame_id(config, "odom_frame_id", "odom")
         self._ground_truth_frame = self.get_frame_id(config, "ground_truth_frame_id", "map")
 
-    def open_odometry(self, body: ModelBody, config: OdometryConfig) -> None:
+    def open_odometry(self, body: ModelBody, config: OdometryConfig, period: float) -> None:
         """Opens the topics, after `read_frames`.
 
         Args:
             body: its origin is tracked.
             config: topics, noise and drift.
+            period: between two messages [s]; 0 if every step has one.
         """
         self._odometry_config = config
         self._body = body
         self._noise = TimedNoise(self.rng)
-        self._drift = config.drift.add_to(body, draw_key(self.rng)) if config.drift else None
+        self._drift = (
+            config.drift.add_to(body, draw_key(self.rng), period) if config.drift else None
+        )
         base_frame = self.name_space_tf(body.name)
         self._deviation = np.sqrt([*config.pose_noise, *config.twist_noise])
         self._is_noisy = bool(self._deviation.any())
@@ -168,7 +172,9 @@ class OdometryPlugin(ModelPlugin):
     def _measured(self, nanoseconds: int) -> Odometry:
         """The odometry with its drift, and with the noise of a time [ns]."""
         drifted = self._body.pose if self._drift is None else Pose(*self._drift.pose)
-        velocity = Velocity(*self._body.physics_body.local_velocity)
+        velocity = Velocity(
+            *(self._drift.velocity if self._drift else self._body.physics_body.local_velocity)
+        )
         if not self._is_noisy:
             return Odometry(drifted, velocity)
         noise = (self._noise.at(nanoseconds).standard_normal(6) * self._deviation).tolist()

@@ -16,7 +16,7 @@ class OdometryConfig:
     """The keys of a drive that concern odometry, except its frames.
 
     Noises are variances of x, y and yaw, or of their velocities; each message gets new noise. Drift
-    accumulates in the core.
+    is in the core: the measured velocity has its errors, and the pose accumulates them.
     """
 
     odom_pub: str
@@ -77,6 +77,11 @@ def _read_drift(config: YamlReader) -> DriftVariances:
         rotation_per_metre=section.get_float("rotation_per_metre", 0.0, minimum=0.0),
         rotation_per_radian=section.get_float("rotation_per_radian", 0.0, minimum=0.0),
         per_second=section.get_floats("per_second", 3, _NO_NOISE, minimum=0.0),
+        biases=(
+            section.get_float("wheel_radius_bias", 0.0, minimum=0.0),
+            section.get_float("track_width_bias", 0.0, minimum=0.0),
+            section.get_float("curvature_bias", 0.0, minimum=0.0),
+        ),
     )
     section.finish()
     return drift

@@ -1,4 +1,4 @@
-"""Drift: errors of odometry that accumulate, as those of slipping wheels do."""
+"""Drift: errors of wheels' measured motion, which accumulate in odometry's pose."""
 
 from dataclasses import dataclass
 from typing import Tuple
@@ -10,7 +10,7 @@ Vector3 = Tuple[float, ...]
 
 @dataclass(frozen=True)
 class DriftVariances:
-    """Growth rates of the variances of the estimated pose.
+    """Growth rates of the variances of the estimated pose, and biases of the wheels.
 
     The first four are alpha 1 to 4 of the velocity motion model (Thrun, Burgard and Fox,
     "Probabilistic Robotics", 5.3). There, an error is drawn for each interval of time, and its
@@ -30,20 +30,26 @@ class DriftVariances:
     """[rad^2/rad]"""
     per_second: Vector3 = (0.0, 0.0, 0.0)
     """Of x, y and yaw in the body's frame, also at rest [m^2/s, m^2/s, rad^2/s]."""
+    biases: Vector3 = (0.0, 0.0, 0.0)
+    """Standard deviations of the errors that stay the same in a run: of the wheels' radius and of
+    the track width, relative, and of the curvature of a straight path [rad/m]."""
 
     def __bool__(self) -> bool:
         return self != DriftVariances()
 
-    def add_to(self, body: ModelBody, key: int) -> Drift:
+    def add_to(self, body: ModelBody, key: int, period: float = 0.0) -> Drift:
         """Adds a drift of these variances to a body, in the core; see `Body.add_drift`.
 
         Args:
             body: its origin is tracked.
             key: of the random numbers.
+            period: between two updates [s]; 0 if every step is one.
         """
         return body.physics_body.add_drift(
             key,
             (self.translation_per_metre, self.translation_per_radian),
             (self.rotation_per_metre, self.rotation_per_radian),
             self.per_second,
+            self.biases,
+            period,
         )

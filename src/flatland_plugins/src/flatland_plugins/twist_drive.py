@@ -48,8 +48,8 @@ class TwistDrive(OdometryPlugin, ABC):
         self._core_drive = self.add_drive(config, body)
 
         self._topic = self.node.resolve(twist_sub)
-        self.open_odometry(body, odometry)
         self.update_timer = UpdateTimer(pub_rate)
+        self.open_odometry(body, odometry, self.update_timer.period)
         self._is_ignoring = False
         self.node.subscribe(twist_sub, "geometry_msgs/Twist", self._receive)
 

@@ -10,7 +10,9 @@ from flatland2d import Simulation, SimulationBatch, UsageError
 from flatland_server import (
     BatchMotion,
     BatchRole,
+    Circle,
     PluginLoader,
+    Polygon,
     UpdateTimer,
     WorldPlugin,
     plain_data,
@@ -219,6 +221,30 @@ def test_branches_have_models_that_were_spawned_and_none_that_were_deleted(world
             ):
                 batch.load_states(state)
             assert batch.save_states() == before
+
+
+@pytest.mark.parametrize("shape", [Circle((0.05, 0.0), 0.4), Polygon(((-1, -1), (1, -1), (0, 1)))])
+def test_branches_have_changed_footprints(world_of, shape):
+    """The robot's and a box's: they are seen, and hit things."""
+    world = world_of(noise="0.02")
+    with Simulation(world, seed=2) as simulation:
+        simulation.models["robot"].model.set_footprint("base", 0, Circle((0.1, 0.0), 0.35))
+        box = simulation.models["box1"].model
+        box.set_footprint(next(iter(box.bodies)), 0, shape)
+        drive(simulation, 10)
+        state = simulation.save_state()
+        with simulation.branch(3) as batch:
+            assert_goes_on(batch, simulation)
+            saved = batch.save_states()[1]
+            batch.reset()
+            simulation.load_state(state)
+            assert_goes_on(batch, simulation, seed=5)
+        with Simulation(world) as other:
+            assert np.array_equal(other.load_state(saved).poses[0], other.poses[0])
+            assert other.models["robot"].model.footprint_revision
+        unlike = pytest.raises(StateError, match="another world: footprints were")
+        with SimulationBatch(world, 2) as batch, unlike:
+            batch.load_states(state)
 
 
 def damaged(state, **changes):

@@ -16,7 +16,7 @@
 /// Johansson, Combe and Theraulaz, "Experimental study of the behavioural mechanisms underlying
 /// self-organization in human crowds", Proc. R. Soc. B 276, 2009, with the constants that were
 /// measured there: people turn away in time, to a preferred side, and slow down a little. Here too,
-/// distances are gaps.
+/// distances are gaps. A force counts as none beyond 8 of its ranges.
 
 #include <cmath>
 
@@ -52,7 +52,7 @@ struct SocialForce {
   ///     f = -A exp(-gap / b) (exp(-(n' b theta)^2) t + sign(theta) exp(-(n b theta)^2) l)
   ///
   /// where the preference epsilon b is added to theta beforehand. `velocity` is the person's own
-  /// less that of the other [m/s]. Forces below 1e-6 m/s^2 count as none.
+  /// less that of the other [m/s].
   Vec2 Evade(const Obstacle& other, Vec2 velocity) const;
   /// The velocity [m/s] after `dt` [s] of the driving force and a constant acceleration: the exact
   /// solution of dv/dt = (desired - v) / tau + acceleration.

@@ -199,9 +199,9 @@ class World : public Access, private b2DestructionListener {
   Tricycle AddTricycle(Body body, Joint front_wheel, const TricycleSettings& settings);
   /// Moves the body along a prescribed path, starting at its present pose.
   Tween AddTween(Body body, const TweenSettings& settings);
-  /// Estimates the body's pose by adding up its motions with errors. The first estimate is right.
-  /// Equal keys and motions give equal errors.
-  Drift AddDrift(Body body, const DriftVariances& variances, uint64_t key);
+  /// Measures the body's motion with errors, and adds it up to an estimate of its pose. The first
+  /// estimate is right. Equal keys and motions give equal errors. `period`: of updates [s].
+  Drift AddDrift(Body body, const DriftVariances& variances, double period, uint64_t key);
   /// The estimated pose in the world [m, m, rad], the yaw within [-pi, pi].
   Pose GetEstimate(Drift drift) const;
   /// The drive, tween or drift of a handle.

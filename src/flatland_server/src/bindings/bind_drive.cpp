@@ -45,9 +45,12 @@ void BindDrive(py::module_& m) {
           py::arg("forward"))
       .def_property_readonly(
           "progress", [](const PyTween& self) { return self.world->Get(self.handle).progress(); });
-  py::class_<PyDrift>(m, "Drift").def_property_readonly("pose", [](const PyDrift& self) {
-    return ToTuple(self.world->GetEstimate(self.handle));
-  });
+  py::class_<PyDrift>(m, "Drift")
+      .def_property_readonly(
+          "pose", [](const PyDrift& self) { return ToTuple(self.world->GetEstimate(self.handle)); })
+      .def_property_readonly("velocity", [](const PyDrift& self) {
+        return ToTuple(self.world->Get(self.handle).MeasuredVelocity());
+      });
   m.attr("EASINGS") = py::tuple(py::cast(kEasingNames));
   m.attr("TWEEN_MODES") = py::tuple(py::cast(kTweenModeNames));
 }
@@ -90,13 +93,16 @@ void BindDrivesOf(py::class_<PyBody>& body) {
       .def(
           "add_drift",
           [](PyBody& self, uint64_t key, const Pair& translation, const Pair& rotation,
-             const Triple& per_second) {
-            const DriftVariances variances{translation.first, translation.second, rotation.first,
-                                           rotation.second, ToPose(per_second)};
-            return PyDrift{self.world, self.world->AddDrift(self.handle, variances, key)};
+             const Triple& per_second, const Triple& biases, double period) {
+            const auto [radius, track_width, curvature] = biases;
+            const DriftVariances variances{translation.first,  translation.second,
+                                           rotation.first,     rotation.second,
+                                           ToPose(per_second), {radius, track_width, curvature}};
+            return PyDrift{self.world, self.world->AddDrift(self.handle, variances, period, key)};
           },
           py::arg("key"), py::arg("translation") = Pair{0.0, 0.0},
-          py::arg("rotation") = Pair{0.0, 0.0}, py::arg("per_second") = Triple{0.0, 0.0, 0.0});
+          py::arg("rotation") = Pair{0.0, 0.0}, py::arg("per_second") = Triple{0.0, 0.0, 0.0},
+          py::arg("biases") = Triple{0.0, 0.0, 0.0}, py::arg("period") = 0.0);
 }
 
 }  // namespace flatland

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kVelocityWeight = 2.0;  // lambda [s/m]: of the velocity against the direction
 constexpr double kReaction = 0.35;       // gamma [m]: range of the evasion, per length of D
-constexpr double kLeastForce = 1e-6;     // [m/s^2]
+constexpr double kFar = 8.0;             // ranges of a force: it is down to e^-8
 // n and n' [1/m]: narrowness of the range of angles in which the other is evaded.
 constexpr double kNarrownessOfTurning = 2.0;
 constexpr double kNarrownessOfSlowing = 3.0;
@@ -34,6 +34,7 @@ void SocialForce::Require() const {
 }
 
 Vec2 SocialForce::Repel(const Obstacle& obstacle) const {
+  if (obstacle.gap > kFar * range) return {};
   return repulsion * std::exp(-std::max(obstacle.gap, 0.0) / range) * obstacle.away;
 }
 
@@ -43,8 +44,8 @@ Vec2 SocialForce::Evade(const Obstacle& other, Vec2 velocity) const {
   const double length = LengthOf(interaction);
   if (length == 0.0) return {};
   const double reach = std::max(kReaction * length, 1e-9);
+  if (other.gap > kFar * reach) return {};
   const double strength = evasion * std::exp(-std::max(other.gap, 0.0) / reach);
-  if (strength < kLeastForce) return {};
   const Vec2 course = (1.0 / length) * interaction;
   const Vec2 left{-course.y, course.x};
   const double angle =

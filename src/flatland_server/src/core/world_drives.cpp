@@ -38,10 +38,11 @@ World::Tween World::AddTween(Body body, const TweenSettings& settings) {
   return mechanisms_.tweens.Add({body, BodyTween(settings, start)});
 }
 
-World::Drift World::AddDrift(Body body, const DriftVariances& variances, uint64_t key) {
+World::Drift World::AddDrift(Body body, const DriftVariances& variances, double period,
+                             uint64_t key) {
   const Pose start = GetPose(body);
   const AccessGuard guard(*this);
-  return mechanisms_.drifts.Add({body, BodyDrift(variances, key, start)});
+  return mechanisms_.drifts.Add({body, BodyDrift(variances, period, key, start)});
 }
 
 Pose World::GetEstimate(Drift drift) const {

@@ -536,8 +536,10 @@ class Body(_WithoutConstructor):
         translation: _PairLike = ...,
         rotation: _PairLike = ...,
         per_second: _TripleLike = ...,
+        biases: _TripleLike = ...,
+        period: float = 0.0,
     ) -> Drift:
-        """Adds a drift, which estimates the body's pose by adding up its motions with errors.
+        """Adds a drift: measures the body's motions with errors, and adds them up to its pose.
 
         The first estimate is the truth. Errors add up in steps alone: if the body is moved between
         two steps, the estimate moves with it.
@@ -548,6 +550,9 @@ class Body(_WithoutConstructor):
                 along the body's x axis per angle turned [m^2/rad]; 0 or more, as the others.
             rotation: of the heading per metre [rad^2/m] and per angle [rad^2/rad].
             per_second: of x, y and yaw in the body's frame [m^2/s, m^2/s, rad^2/s], also at rest.
+            biases: standard deviations of what the wheels deviate by in this run: their radius and
+                their track width, both relative, and the curvature of a straight path [rad/m].
+            period: between two updates, over which the measured velocity is a mean [s].
         """
     def add_lidar(
         self,
@@ -1049,11 +1054,14 @@ def orca_velocity(
     """
 
 class Drift(_WithoutConstructor):
-    """A handle of a body's drift: the pose that it estimates by adding up motions with errors."""
+    """A handle of a body's drift: the motion that it measures, and the pose that adds up."""
 
     @property
     def pose(self) -> _Triple:
         """The present estimate in the world [m, m, rad], the yaw within [-pi, pi]."""
+    @property
+    def velocity(self) -> _Triple:
+        """The measured velocity in the body's frame [m/s, m/s, rad/s]: the mean of an update."""
 
 class GoalObserver(metaclass=_Metaclass):
     """Makes observations of robots that drive to goals; docs/learning.md describes them.

@@ -10,6 +10,7 @@ import base64
 import json
 import math
 from dataclasses import fields
+from functools import lru_cache
 from typing import Any, Dict, List, Tuple, Type, TypeVar, Union, get_type_hints
 
 import numpy as np
@@ -55,14 +56,20 @@ def made(cls: Type[T], content: Any, where: str) -> T:
         ValueError: an attribute is missing, unknown or of another type, a number is not finite, or
             an integer has more than 64 bits.
     """
-    kinds = get_type_hints(cls)
-    names = [each.name for each in fields(cls)]  # type: ignore[arg-type]
-    if not isinstance(content, dict) or content.keys() != set(names):
-        raise ValueError(f"{where}: expected {', '.join(names)}")
-    for name in names:
-        if not _is_of(content[name], kinds[name]):
+    kinds = _kinds(cls)  # type: ignore[arg-type] # a class is hashable
+    if not isinstance(content, dict) or content.keys() != kinds.keys():
+        raise ValueError(f"{where}: expected {', '.join(kinds)}")
+    for name, kind in kinds.items():
+        if not _is_of(content[name], kind):
             raise ValueError(f"{where}.{name}: expected another value, found {content[name]!r:.60}")
     return cls(**content)
+
+
+@lru_cache(maxsize=None)
+def _kinds(cls: Type[Any]) -> Dict[str, Any]:
+    """The types of a dataclass's attributes."""
+    hints = get_type_hints(cls)
+    return {each.name: hints[each.name] for each in fields(cls)}
 
 
 def _is_of(value: Any, kind: Any) -> bool:

@@ -22,6 +22,8 @@ TEST(BodyDriftTest, TheArcOfAMotionIsItsVelocityTimesTheTime) {
         motion = Compose(motion, {way.x / kSteps, way.y / kSteps, 0.0});
         motion = Compose(motion, half);
       }
+      EXPECT_NEAR(MotionAlong({way.x, way.y, turn}).x, motion.x, 1e-5);
+      EXPECT_NEAR(MotionAlong({way.x, way.y, turn}).y, motion.y, 1e-5);
       EXPECT_NEAR(ArcOf(motion).x, way.x, 1e-5);
       EXPECT_NEAR(ArcOf(motion).y, way.y, 1e-5);
     }
@@ -31,10 +33,39 @@ TEST(BodyDriftTest, TheArcOfAMotionIsItsVelocityTimesTheTime) {
 class BodyDriftWorldTest : public WorldTest {
  protected:
   World::Drift Add(uint64_t key, const DriftVariances& variances = {0.01, 0.02, 0.03, 0.04, {}}) {
-    return world_.AddDrift(robot_, variances, key);
+    return world_.AddDrift(robot_, variances, period_, key);
   }
+  double period_ = 0.0;
   World::Body robot_ = world_.AddBody(At({3, -2, 0.5}, b2_kinematicBody));
 };
+
+TEST_F(BodyDriftWorldTest, ThePoseIsTheIntegralOfTheMeasuredVelocity) {
+  // Of one step of 5 ms, or of two: their mean does not know how noise has bent the path between.
+  for (const double period : {0.0, 0.01}) {
+    period_ = period;
+    const World::Drift drift = Add(1, {0.01, 0.02, 0.03, 0.04, {0.1, 0.1, 0.1}, {0.1, 0.1, 0.1}});
+    world_.SetVelocity(robot_, {0.5, 0.1, 0.3});
+    Pose integral = world_.GetEstimate(drift);
+    const int steps = period > 0.0 ? 2 : 1;
+    for (int i = 0; i < 100; ++i) {
+      StepTimes(world_, steps);
+      const auto [vx, vy, omega] = world_.Get(drift).MeasuredVelocity();
+      const double dt = steps * kStep;
+      integral = Wrapped(Compose(integral, MotionAlong({vx * dt, vy * dt, omega * dt})));
+    }
+    ExpectPose(integral, world_.GetEstimate(drift), period > 0.0 ? 1e-2 : 1e-9);
+  }
+}
+
+TEST_F(BodyDriftWorldTest, BiasesScaleTheMotionAndNoneIsWhite) {
+  const World::Drift drift = Add(3, {0, 0, 0, 0, {}, {0.1, 0.1, 0.1}});
+  world_.SetVelocity(robot_, {1.0, 0.0, 0.0});
+  StepTimes(world_, 1);
+  const Twist first = world_.Get(drift).MeasuredVelocity();
+  StepTimes(world_, 200);
+  EXPECT_GT(std::abs(first.omega), 1e-3);
+  ExpectTwist(world_.Get(drift).MeasuredVelocity(), first, 1e-4);
+}
 
 TEST_F(BodyDriftWorldTest, ErrorsDependOnTheKey) {
   const World::Drift a = Add(1), b = Add(1), c = Add(2);
@@ -70,6 +101,7 @@ TEST_F(BodyDriftWorldTest, RefusesVariancesThatAreNone) {
   for (const double wrong : {-1.0, std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_THROW(Add(1, {wrong, 0, 0, 0, {}}), std::invalid_argument);
     EXPECT_THROW(Add(1, {0, 0, 0, 0, {0, wrong, 0}}), std::invalid_argument);
+    EXPECT_THROW(Add(1, {0, 0, 0, 0, {}, {0, 0, wrong}}), std::invalid_argument);
   }
 }
 

@@ -21,6 +21,7 @@ from flatland_msgs.srv import (
     DeleteModels,
     GetModelMarkers,
     MoveModel,
+    Seek,
     SpawnModel,
     SpawnModels,
     StepWorld,
@@ -44,7 +45,10 @@ WRONG_NAMES = ("", " ", "a b", "/", "//a", "a/", "-", "ü", "a\nb", "\x00", "$",
 WRONG_NAMESPACES = ("a b", "1st", "-", "ü", "a//b", "_a", "{}")
 NUMBERS = (math.nan, math.inf, -math.inf, 1e300, -1e9)
 RATES = {0.5: True, 1.0: True, 3.0: True, math.inf: True, 0.0: False, -1.0: False, math.nan: False}
-EXCEPTIONS = ("ModelError: ", "YamlError: ", "PluginError: ", "LayerError: ", "ValueError: ")
+EXCEPTIONS = tuple(
+    f"{name}: "
+    for name in ("ModelError", "YamlError", "PluginError", "LayerError", "UsageError", "ValueError")
+)
 
 
 class Balance:
@@ -85,7 +89,7 @@ class Client:
             self._spawn, self._spawn, self._delete, self._delete, self._move, self._move,
             self._spawn_wrongly, self._delete_unknown, self._change_pause, self._change_rate,
             self._get_markers, self._hang_up, self._spawn_several, self._delete_several,
-            self._step_world,
+            self._step_world, self._seek_wrongly,
         ]  # fmt: skip
         for _ in range(calls):
             action = self._rng.choice(actions)
@@ -191,6 +195,11 @@ class Client:
             service, request[key] = "/spawn_model_from_string", self._rng.choice(WRONG_TEXTS)
         answer = self._server.call(service, SpawnModel, **request)
         self._check(answer, False, f"spawn with {key} {str(request[key])[:80]!r}")
+
+    def _seek_wrongly(self) -> None:
+        moment = self._rng.choice(NUMBERS)
+        answer = self._server.call("/seek", Seek, time=moment)
+        self._check(answer, False, f"seek {moment}")
 
     def _delete_unknown(self) -> None:
         name = self._rng.choice(["unknown", *WRONG_NAMES])

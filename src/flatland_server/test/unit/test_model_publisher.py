@@ -1,12 +1,12 @@
-"""The server's messages about its models, with stand-ins for rospy's publishers."""
+"""The server's messages about its models."""
 
 import math
 
 import pytest
-import rospy
 
 from flatland_server import Circle, Pose
-from flatland_server.ros.model_publisher import ModelPublisher
+from flatland_server.serving.model_publisher import ModelPublisher
+from flatland_server.transport.tap import Tap
 
 CART = """
 bodies:
@@ -26,30 +26,36 @@ models: [{name: cart, namespace: /a/, model: cart.yaml, pose: [1, 2, 0]}]
 """
 
 
-class Publisher:
-    def __init__(self, topic, message_type, *, queue_size, latch=False):
-        self.make, self.connections, self.sent = message_type, 0, []
+LIST, STATES = "/flatland_server/models", "/flatland_server/model_states"
 
-    def get_num_connections(self):
-        return self.connections
 
-    def publish(self, *values):
-        self.sent.append(self.make(*values))
+class Published(Tap):
+    """The messages of topics; has subscribed to some of them."""
+
+    def __init__(self):
+        self.sent = {LIST: [], STATES: []}
+        self.subscribed = set()
+
+    def wants(self, topic):
+        return topic in self.subscribed
+
+    def receive(self, topic, message, is_latched):
+        self.sent[topic].append(message)
+
+    def receive_transform(self, transform):
+        pass
 
 
 @pytest.fixture
-def published(files, monkeypatch):
-    """The publishers by topic, the simulation, and the publisher of its models."""
-    made = {}
-
-    def make(topic, *arguments, **options):
-        made[topic] = Publisher(topic, *arguments, **options)
-        return made[topic]
-
-    monkeypatch.setattr(rospy, "Publisher", make)
+def published(files):
+    """What is published, the simulation, and the publisher of its models."""
     files.write("cart.yaml", CART)
     simulation = WorldSimulation(files, WORLD)
-    yield made, simulation, ModelPublisher(simulation, 1e9)
+    tap = Published()
+    tap.subscribed.add(LIST)
+    simulation.transport.set_subscribed_topics(())
+    simulation.transport.open_tap(tap)
+    yield tap, simulation, ModelPublisher(simulation, 1e9)
     simulation.world.close()
 
 
@@ -58,12 +64,13 @@ class WorldSimulation:
 
     def __init__(self, files, world):
         self.world = files.load(world)
+        self.transport = self.world.transport
         self.timekeeper = self
         self.nanoseconds = 0
 
 
 def test_a_model_is_described(published, files):
-    [listed] = published[0]["~models"].sent
+    [listed] = published[0].sent[LIST]
     [cart] = listed.models
 
     assert (cart.name, cart.ns) == ("cart", "a")
@@ -83,36 +90,37 @@ def test_a_model_is_described(published, files):
 def test_the_list_is_published_when_models_come_change_and_go(published):
     publishers, simulation, publisher = published
     publisher.update()
-    assert len(publishers["~models"].sent) == 1
+    assert len(publishers.sent[LIST]) == 1
 
     simulation.world.models["cart"].set_footprint("base", 0, Circle((1.0, 0.0), 2.0))
     publisher.update()
-    assert publishers["~models"].sent[1].models[0].bodies[0].max_x == 3.0
+    assert publishers.sent[LIST][1].models[0].bodies[0].max_x == 3.0
     simulation.world.delete_model("cart")
     publisher.update()
-    assert publishers["~models"].sent[2].models == []
+    assert publishers.sent[LIST][2].models == []
 
 
 def test_states_have_what_has_moved(published):
     publishers, simulation, publisher = published
-    states = publishers["~model_states"]
+    states = publishers.sent[STATES]
     publisher.update()
-    assert states.sent == []  # no subscriber
-    states.connections = 1
+    assert states == []  # no subscriber
+    publishers.subscribed.add(STATES)
+    simulation.transport.set_subscribed_topics(())  # which counts as a change
     publisher.update()
-    [cart] = states.sent[0].models
+    [cart] = states[0].models
     assert (cart.pose.x, cart.pose.y, cart.pose.theta) == (1.0, 2.0, 0.0)
     assert [(body.x, body.y) for body in cart.bodies[:2]] == [(1.0, 2.0), (3.0, 2.0)]
 
     publisher.update()
-    assert len(states.sent) == 1  # nothing has moved, and no time has passed
+    assert len(states) == 1  # nothing has moved, and no time has passed
     simulation.nanoseconds = 5_000_000
     publisher.update()
-    assert states.sent[1].models == []
-    assert states.sent[1].stamp.to_sec() == 0.005
+    assert states[1].models == []
+    assert states[1].stamp.to_sec() == 0.005
 
     simulation.world.move_model("cart", Pose(0.0, 0.0, math.pi / 2))
     publisher.update()
-    [cart] = states.sent[2].models
+    [cart] = states[2].models
     assert [cart.bodies[1].x, cart.bodies[1].y] == pytest.approx([0.0, 2.0], abs=1e-6)
     assert cart.bodies[0].theta == pytest.approx(math.pi / 2)

@@ -19,6 +19,7 @@ LAYERS = (  # each may import those before it
     "transport",
     "plugins",
     "simulation",
+    "serving",
     "testing",
     "ros.rospy_patches",
     "ros",
@@ -143,6 +144,7 @@ def test_messages_are_asked_for_by_name():
     [
         ("flatland_server", ("flatland2d", *OTHERS)),
         ("flatland2d", (*OTHERS, *ROSPY)),
+        ("flatland_bridge", ("flatland_benchmark", "flatland_gym", "flatland_viz")),
         ("flatland_plugins", ("flatland2d", "flatland_benchmark", "flatland_viz", *ROSPY)),
         ("flatland_navigation", ("flatland2d", "flatland_benchmark", "flatland_gym")),
         ("flatland_teleop", ("flatland2d", "flatland_server")),
@@ -155,6 +157,23 @@ def test_messages_are_asked_for_by_name():
 )
 def test_packages_import_one_way(package, forbidden):
     assert forbidden_imports(sources(package), forbidden) == []
+
+
+def test_the_bridge_is_imported_by_flatland_serve_alone_when_it_runs():
+    packages = [path.name for path in SRC.glob("flatland*") if path.name != "flatland_bridge"]
+    paths = [path for package in packages for path in sources(package)]
+    found = forbidden_imports(paths, ("flatland_bridge", "websockets", "orjson", "cbor2"))
+
+    assert {line.partition(":")[0] for line in found} == {"flatland2d/src/flatland2d/cli/serve.py"}
+    run_without_ros("import flatland2d.cli\nassert 'flatland_bridge' not in sys.modules")
+
+
+def test_of_the_bridge_only_its_node_imports_rospy():
+    found = forbidden_imports(sources("flatland_bridge"), ROSPY)
+
+    assert {line.partition(":")[0].rpartition("/")[2] for line in found} == {
+        *("bridge_node.py", "ros_graph.py")
+    }
 
 
 def test_every_folder_has_a_place_in_the_order():

@@ -1,5 +1,6 @@
 """The node's parameters: their defaults, and what is refused."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -55,8 +56,16 @@ def test_the_defaults_are_those_of_the_launch_file(read):
         realtime_priority=True,
         rospy_patches=True,
         map_to_odom=False,
+        history=True,
+        command_age=math.inf,
         models=(),
     )
+
+
+def test_a_history_is_kept_for_the_window_unless_it_is_said_otherwise(read):
+    assert not read(show_viz=False).history
+    assert read(show_viz=False, history=True).history
+    assert not read(history=False).history
 
 
 def test_parameters_of_namespaces_above_are_used_if_the_node_has_none(read, caplog):

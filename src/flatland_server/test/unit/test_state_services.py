@@ -1,14 +1,11 @@
 """Services of time and state that are refused."""
 
 import pytest
-import rospy
-from flatland_msgs.srv import StepWorldRequest
-from std_srvs.srv import TriggerRequest
 
 from flatland_server.exceptions import FlatlandError
-from flatland_server.ros.client_files import ClientFiles
-from flatland_server.ros.rospy_patches import RospyCalls
-from flatland_server.ros.state_services import StateServices
+from flatland_server.serving.client_files import ClientFiles
+from flatland_server.serving.service_host import ServiceHost
+from flatland_server.serving.state_services import StateServices
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import WorldConfig
@@ -16,29 +13,34 @@ from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 
 
-class DirectCalls(LocalTransport):
+class DirectCalls(ServiceHost):
     """Makes calls for the simulation's thread at once."""
 
-    rospy_calls = RospyCalls()
+    def __init__(self):
+        self.actions = {}
+
+    def offer(self, name, type_name, action):
+        self.actions[name] = action
 
     def call(self, action):
         return action()
+
+    def wait(self, future):
+        return future.result()
 
 
 def test_a_reload_does_not_undo_that_another_world_was_opened_meanwhile(files, monkeypatch):
     """A request for the first world is still reading its file when the second one is there."""
     paths = [files.write(name, "properties: {}\nlayers: []\n") for name in ("a.yaml", "b.yaml")]
     first, second = (WorldConfig.from_file(path) for path in paths)
-    transport = DirectCalls()
-    world = World(first, transport)
+    host = DirectCalls()
+    world = World(first, LocalTransport())
     manager = SimulationManager(world, Timekeeper(0.005))
-    services = {}
-    offer = lambda name, _, __, action: services.update({name: action})  # noqa: E731
-    StateServices(manager, transport, ClientFiles(world, None), offer, 0.1)
+    StateServices(manager, host, ClientFiles(world, None), 0.1)
     monkeypatch.setattr(world, "read_config", lambda: manager.reload(second) or first)
 
     with pytest.raises(FlatlandError, match="another world was loaded while the file was read"):
-        services["reload_world"](TriggerRequest())
+        host.actions["reload_world"](None)
 
     monkeypatch.undo()
     assert world.read_config().path == paths[1]
@@ -47,11 +49,11 @@ def test_a_reload_does_not_undo_that_another_world_was_opened_meanwhile(files, m
 def test_a_control_period_between_two_steps_is_refused(files):
     world = World(WorldConfig.from_file(files.write("a.yaml", "properties: {}\nlayers: []\n")))
     manager = SimulationManager(world, Timekeeper(0.03))
-    offer = lambda *_: None  # noqa: E731
-    services = StateServices(manager, DirectCalls(), ClientFiles(world, None), offer, 0.1)
+    host = DirectCalls()
+    StateServices(manager, host, ClientFiles(world, None), 0.1)
 
     expected = "expected ~control_period to be a multiple of the step_size of 0.03 s, found 0.1 s"
-    with pytest.raises(rospy.ServiceException, match=expected):
-        services.step_world(StepWorldRequest())
+    with pytest.raises(FlatlandError, match=expected):
+        host.actions["step_world"](None)
 
     assert not manager.is_paused

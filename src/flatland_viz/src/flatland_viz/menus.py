@@ -20,6 +20,13 @@ from flatland_viz.world_files import label, model_files
 
 _RATES = (0.1, 0.5, 1.0, 2.0, 5.0, 10.0, math.inf)
 
+_SEEKS = (
+    ("&Back 10 s", "action_back", -10.0, "Alt+Left"),
+    ("&Forward 10 s", "action_forward", 10.0, "Alt+Right"),
+    ("To the &latest moment", "action_latest", math.inf, "Alt+End"),
+)
+"""Moves in the history: text, name, how far [s], and key."""
+
 
 class Menus(QObject):
     """Fills a menu bar.
@@ -36,6 +43,8 @@ class Menus(QObject):
     world_reset_asked = Signal()
     step_asked = Signal()
     steps_asked = Signal()
+    seek_asked = Signal(float)
+    """How far to go on in the history, or back if it is negative [s]."""
     keys_asked = Signal()
     model_chosen = Signal(str)
     other_model_asked = Signal()
@@ -145,6 +154,11 @@ class Menus(QObject):
             self._simulation, "S&teps...", "action_steps", self.steps_asked.emit, "Shift+F10"
         )
         self._simulation.addSeparator()
+        self._seeks = [
+            self._action(self._simulation, text, name, partial(self.seek_asked.emit, seconds), key)
+            for text, name, seconds, key in _SEEKS
+        ]
+        self._simulation.addSeparator()
         menu = self._menu(self._simulation, "&Rate", "menu_speed")
         self._rates = QActionGroup(menu)
         for rate in _RATES:
@@ -200,6 +214,9 @@ class Menus(QObject):
         self._steps.setEnabled(is_paused)
         if simulation is None:
             return
+        for action, (_, _, seconds, _) in zip(self._seeks, _SEEKS):
+            edge = simulation.begin if seconds < 0 else simulation.end
+            action.setEnabled(simulation.end > simulation.begin and simulation.time != edge)
         self._pause.setEnabled(not simulation.is_paused)
         self._resume.setEnabled(simulation.is_paused)
         for action in self._rates.actions():

@@ -19,6 +19,7 @@ from flatland_msgs.srv import (
     MoveModel,
     OpenWorld,
     Reset,
+    Seek,
     SpawnModel,
     Step,
 )
@@ -142,6 +143,10 @@ class Server(QObject):
         """Makes steps while the simulation is paused."""
         self._call("step", Step, count, [], 0.0)
 
+    def seek(self, time: float) -> None:
+        """Pauses, and goes to a moment of the run [s]."""
+        self._call("seek", Seek, time)
+
     def reset(self) -> None:
         """Resets the world to the state in which it was loaded."""
         done = "The world is as it was loaded."
@@ -207,7 +212,12 @@ class Server(QObject):
         self._emit(
             self.simulation_changed,
             Simulation(
-                message.stamp.to_sec(), message.paused, message.rate, message.real_time_factor
+                message.stamp.to_sec(),
+                message.paused,
+                message.rate,
+                message.real_time_factor,
+                message.history_begin.to_sec(),
+                message.history_end.to_sec(),
             ),
         )
 

@@ -17,6 +17,10 @@ class Simulation(NamedTuple):
     """Requested rate: simulated seconds per second of real time; may be infinite."""
     real_time_factor: float
     """Simulated seconds per second of real time, as measured."""
+    begin: float = 0.0
+    """The first moment that the server can go back to [s]."""
+    end: float = 0.0
+    """The last one [s]; equal to `begin` if there are none."""
 
 
 class Status(NamedTuple):

@@ -29,6 +29,7 @@ from flatland_viz.server import Server
 from flatland_viz.settings import Settings
 from flatland_viz.status import Simulation, has_restarted, is_gone, status
 from flatland_viz.status_line import StatusLine
+from flatland_viz.timeline import Timeline
 from flatland_viz.toolbar import Toolbar, key_of
 from flatland_viz.window_size import first_size
 from flatland_viz.world_files import title
@@ -65,6 +66,8 @@ class Window(QMainWindow):
         self.setCentralWidget(scene.frame)
         self._line = StatusLine()
         self.setStatusBar(self._line)
+        self._timeline = Timeline()
+        self.addToolBar(Qt.BottomToolBarArea, self._timeline)
         self._badge = ProblemBadge(self._line, problems)
         self._settings = Settings()
         self.selection = Selection()
@@ -107,6 +110,8 @@ class Window(QMainWindow):
         menus.other_world_asked.connect(self._open_other)
         menus.reload_asked.connect(server.reload)
         menus.world_reset_asked.connect(server.reset)
+        self._timeline.sought.connect(server.seek)
+        menus.seek_asked.connect(self._seek)
         menus.step_asked.connect(lambda: server.step(1))
         menus.steps_asked.connect(self._ask_for_steps)
         menus.keys_asked.connect(self._show_keys)
@@ -138,7 +143,15 @@ class Window(QMainWindow):
         """Updates the status line and the menus."""
         silence = self._silence()
         self._line.show_status(status(self._simulation, silence))
-        self._menus.show_simulation(None if is_gone(silence) else self._simulation)
+        simulation = None if is_gone(silence) else self._simulation
+        self._menus.show_simulation(simulation)
+        self._timeline.show_simulation(simulation)
+
+    def _seek(self, seconds: float) -> None:
+        """Goes back, if it is negative, or on within the run."""
+        if self._simulation is not None:
+            begin, end = self._simulation.begin, self._simulation.end
+            self._server.seek(min(max(self._simulation.time + seconds, begin), end))
 
     def _on_scans(self, scans: List[str]) -> None:
         self._scene.show_displays(wanted(self._server.debug, scans))

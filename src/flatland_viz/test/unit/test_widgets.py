@@ -1,10 +1,17 @@
 """Fields and panels of the window, without a screen."""
 
 import pytest
-from python_qt_binding.QtCore import QEvent, QLocale, QObject, Qt, QTimer, Signal
+from python_qt_binding.QtCore import QEvent, QLocale, QObject, QPoint, Qt, QTimer, Signal
 from python_qt_binding.QtGui import QColor, QKeyEvent, QPalette, QPixmap
 from python_qt_binding.QtTest import QTest
-from python_qt_binding.QtWidgets import QApplication, QFileDialog, QLabel, QMainWindow, QToolButton
+from python_qt_binding.QtWidgets import (
+    QApplication,
+    QFileDialog,
+    QLabel,
+    QMainWindow,
+    QSlider,
+    QToolButton,
+)
 
 from flatland_viz import drive_panel, model_panel
 from flatland_viz.file_dialog import ask_for_file
@@ -14,8 +21,9 @@ from flatland_viz.model_list import Model, Topic
 from flatland_viz.move_dialog import MoveDialog
 from flatland_viz.screenshot import write_picture
 from flatland_viz.selection import Selection
-from flatland_viz.status import Status
+from flatland_viz.status import Simulation, Status
 from flatland_viz.status_line import StatusLine
+from flatland_viz.timeline import Timeline
 
 
 @pytest.fixture(scope="module")
@@ -44,6 +52,34 @@ def test_a_decimal_point_and_a_comma_mean_the_same_in_every_locale(application, 
     for character in text:
         send_key(field, QEvent.KeyPress, 0, character)
     assert dialog.pose == (-1.5, 0.0, 0.0)
+
+
+def moment(time, begin, end):
+    return Simulation(time, True, 1.0, 1.0, begin, end)
+
+
+def test_the_timeline_seeks_where_it_is_clicked_once_the_button_is_released(application):
+    timeline, sought = Timeline(), []
+    timeline.sought.connect(sought.append)
+    timeline.resize(600, 30)
+    timeline.show()
+    slider, label = timeline.findChild(QSlider), timeline.findChild(QLabel, "timeline_time")
+    assert not slider.isEnabled()
+    timeline.show_simulation(moment(50.0, 10.0, 50.0))
+    middle = QPoint(slider.width() // 2, slider.height() // 2)
+
+    QTest.mousePress(slider, Qt.LeftButton, Qt.NoModifier, middle)
+    timeline.show_simulation(moment(51.0, 10.0, 51.0))  # does not move the knob that is held
+    assert (sought, label.text()) == ([], "30.0 of 50.0 s")
+    QTest.mouseRelease(slider, Qt.LeftButton, Qt.NoModifier, middle)
+
+    assert sought == [pytest.approx(30.0, abs=0.3)]
+    timeline.show_simulation(moment(30.0, 10.0, 51.0))
+    assert label.text() == "30.0 of 51.0 s"
+    timeline.show_simulation(moment(51.0, 10.0, 51.0))
+    assert (slider.value(), label.text()) == (slider.maximum(), "")
+    timeline.show_simulation(moment(51.0, 51.0, 51.0))
+    assert not slider.isEnabled()
 
 
 class Publisher:

@@ -26,7 +26,7 @@ def roles_of(world: World) -> List[PluginRole]:
         world: on a LocalTransport.
 
     Raises:
-        PluginError: one has no role, plugins send messages to others, or footprints were changed.
+        PluginError: one has no role, or plugins send messages to others.
     """
     transport = world.transport
     assert isinstance(transport, LocalTransport)
@@ -36,7 +36,6 @@ def roles_of(world: World) -> List[PluginRole]:
             f"one plugin acts on what another one publishes, on {listed(exchanged)}, and a "
             "SimulationBatch publishes nothing: use a Simulation for each environment"
         )
-    require_unchanged_footprints(world)
     roles = []
     for owner in [*world.models, ""]:
         for plugin in world.plugins_of(owner).values():

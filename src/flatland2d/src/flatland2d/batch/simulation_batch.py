@@ -20,7 +20,7 @@ from flatland2d.batch.free_spaces import FreeSpaces
 from flatland2d.batch.noise import BatchNoise
 from flatland2d.batch.observation import BatchObservation
 from flatland2d.batch.plugins import BatchPlugins
-from flatland2d.batch.robot import require_alike, roles_of
+from flatland2d.batch.robot import require_alike, require_unchanged_footprints, roles_of
 from flatland2d.batch.view import BatchView
 from flatland2d.batch.wall_cache import WallCache
 from flatland2d.free_space import FreeSpace
@@ -132,7 +132,8 @@ class SimulationBatch:
             model_folders=folders_of(model_folders),
             loader=loader,
         )
-        if origin is not None:
+        require_unchanged_footprints(self._world)
+        if origin is not None:  # its changed footprints are those of all environments
             saved_states.restore(origin, self._world)
         roles = roles_of(self._world)
         if robot is not None and robots is not None:

@@ -9,11 +9,21 @@ import os
 import sys
 from typing import List, Optional
 
-from flatland2d.cli import check, map_to_lines, recover, render, run, sweep, view, worlds
+from flatland2d.cli import (
+    check,
+    map_to_lines,
+    recover,
+    render,
+    run,
+    serve,
+    sweep,
+    view,
+    worlds,
+)
 from flatland_server._core import __version__
 from flatland_server.exceptions import FlatlandError, YamlError
 
-SUBCOMMANDS = (check, map_to_lines, recover, render, run, sweep, view, worlds)
+SUBCOMMANDS = (check, map_to_lines, recover, render, run, serve, sweep, view, worlds)
 
 _INTERRUPTED = 130
 """The exit code of a program ended by Ctrl-C, as in shells."""

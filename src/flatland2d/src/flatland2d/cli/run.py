@@ -74,7 +74,7 @@ def _execute(options: argparse.Namespace) -> int:
             for topic in recorder.unmatched(simulation.topics):
                 hint = suggestion(topic, simulation.topics)
                 print(f'no plugin has a topic "{topic}" to record{hint}', file=sys.stderr)
-        is_interrupted = stack.enter_context(_interrupts())
+        is_interrupted = stack.enter_context(interrupts())
         report = stack.enter_context(_progress_bar(options.progress, options.seconds))
         start = time.monotonic()
         _simulate(simulation, options.seconds, options.rate, is_interrupted, report)
@@ -172,7 +172,7 @@ def _progress_bar(
 
 
 @contextlib.contextmanager
-def _interrupts() -> Iterator[Callable[[], bool]]:
+def interrupts() -> Iterator[Callable[[], bool]]:
     """Makes SIGINT (Ctrl-C) and SIGTERM end the run between steps, not within one.
 
     Yields:

@@ -145,7 +145,7 @@ class RunViewer(Viewer):
 
     def __init__(self, run: SweepRun) -> None:
         follow = run.robot.name if run.path else None
-        super().__init__(run.simulation, _SIZE, follow=follow)
+        super().__init__(run.simulation, _SIZE, follow=follow, history=False)
         self.due = 0
         self.shows_trail = True
         self.drive = _NoDrive(run.simulation)
@@ -165,6 +165,9 @@ class RunViewer(Viewer):
 
     def reset(self) -> None:
         self.message = "a run cannot be reset"
+
+    def seek(self, time: float) -> None:
+        self.message = "a run cannot go back: its controller does not"
 
     def toggle_pause(self) -> None:
         if not self._has_ended:

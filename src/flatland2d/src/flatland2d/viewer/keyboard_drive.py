@@ -1,7 +1,8 @@
 """Drives a robot by the keys that are held down."""
 
 import inspect
-from typing import Optional, Sequence, Tuple
+import math
+from typing import Optional, Sequence, Set, Tuple
 
 from flatland2d.simulation import Simulation
 
@@ -10,6 +11,9 @@ SPEED = 0.5
 
 TURN = 1.0
 """The yaw rate [rad/s], or a tricycle's steering angle [rad]; unchanged by Shift."""
+
+_UNKNOWN = (math.nan,) * 3
+"""A command that differs from each other one."""
 
 
 class KeyboardDrive:
@@ -22,6 +26,7 @@ class KeyboardDrive:
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
         self._commanded: Tuple[str, Tuple[float, ...]] = ("", ())
+        self._driven: Set[str] = set()
 
     def command(
         self, model: str, *, forwards: float, left: float, turn: float, is_fast: bool
@@ -48,7 +53,13 @@ class KeyboardDrive:
         """Must be called after a reset: robots have no commands any more."""
         self._commanded = ("", ())
 
+    def time_has_jumped(self) -> None:
+        """Must be called after a jump in time: a robot may have any former command of the keys."""
+        model, _ = self._commanded
+        self._commanded = (model, _UNKNOWN if model in self._driven else ())
+
     def _send(self, model: str, wanted: Sequence[float]) -> None:
+        self._driven.add(model)
         drive = first_drive(self._simulation, model)
         if drive is None:
             return

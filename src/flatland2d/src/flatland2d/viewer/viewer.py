@@ -13,6 +13,7 @@ from flatland2d.rendering.view import Size, View
 from flatland2d.simulation import Simulation
 from flatland2d.viewer.keyboard_drive import KeyboardDrive, first_drive
 from flatland2d.viewer.playback import Playback
+from flatland2d.viewer.timeline import Timeline
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Point
 
@@ -36,6 +37,7 @@ class Viewer:
         rate: simulated seconds per second of real time.
         follow: the model that is chosen and followed; by default the first one with a drive is
             chosen, and the whole world shown.
+        history: whether states are kept, to go back in time.
         clock: returns the real time [s].
 
     Raises:
@@ -49,10 +51,12 @@ class Viewer:
         *,
         rate: float = 1.0,
         follow: Optional[str] = None,
+        history: bool = True,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.simulation = simulation
         self.playback = Playback(rate)
+        self.timeline = Timeline(simulation, history)
         self.drive = KeyboardDrive(simulation)
         self.chosen = ""
         """The name of the model that is driven and followed; empty if there is none."""
@@ -82,13 +86,37 @@ class Viewer:
         )
 
     def toggle_pause(self) -> None:
-        """Pauses or goes on."""
+        """Pauses or goes on; from a moment of the past, another run begins."""
         self.playback.is_paused = not self.playback.is_paused
+        if not self.playback.is_paused and self.timeline.is_in_past:
+            self.message = f"goes on from {self.simulation.time:.2f} s"
 
     def single_step(self) -> None:
-        """Pauses, and makes one step."""
+        """Pauses, and makes one step; in the past, to the next moment of the run."""
         self.playback.is_paused = True
-        self._step()
+        if self.timeline.is_in_past:
+            self.seek(self.simulation.time + self.simulation.step_size)
+        else:
+            self._step()
+
+    def seek(self, time: float) -> None:
+        """Pauses, and shows the moment at a time [s], or the first or last one."""
+        self.playback.is_paused = True
+        try:
+            self.timeline.seek(time)
+        except FlatlandError as error:
+            self.message = self.timeline.problem or str(error)
+        self.drive.time_has_jumped()
+        self._trail.clear()
+
+    def seek_by(self, seconds: float) -> None:
+        """Pauses, and goes back, if it is negative, or on [s] within the run."""
+        self.seek(self.simulation.time + seconds)
+
+    @property
+    def takes_commands(self) -> bool:
+        """False in the past, until the run goes on: keys drive no robot there."""
+        return not (self.playback.is_paused and self.timeline.is_in_past)
 
     def reset(self) -> None:
         """Rebuilds the world as it was loaded."""
@@ -215,7 +243,8 @@ class Viewer:
         state = "paused" if playback.is_paused else f"{playback.measured_rate:.2f} x real time"
         if not playback.is_paused and playback.rate != 1.0:
             state += f" of {playback.rate:g}"
-        world = f"{self.simulation.time:.2f} s   {state}"
+        later = f" of {self.timeline.end:.2f} s" if self.timeline.is_in_past else " s"
+        world = f"{self.simulation.time:.2f}{later}   {state}"
         failures = self.simulation.world.plugin_failures
         if failures:
             world += f"   failed: {', '.join(failure.label for failure in failures)}"

@@ -23,9 +23,15 @@ _FRAME_RATE = 30
 _FONTS = "dejavusans,notosans,liberationsans,helvetica,arial"  # or else pygame's own
 _FONT_SIZE = 14  # px
 _BAR_HEIGHT = 26  # px
+_TIMELINE_HEIGHT = 22  # px
+_BARS_HEIGHT = _TIMELINE_HEIGHT + _BAR_HEIGHT
+_MARGIN = 16  # px: of the timeline, at its ends
+_KNOB = 7  # px
 _TEXT = (32, 32, 32)
 _PALE = (110, 110, 110)
 _BAR = (225, 225, 223)
+_TRACK = (190, 190, 188)
+_PAST = (70, 110, 170)
 _CLICK = 4  # px; a mouse that moves further while its button is down is dragging
 _LEAST_SIZE = (320, 240)
 _WITHOUT_SCREEN = {"dummy", "evdev", "offscreen"}
@@ -48,8 +54,10 @@ class Window:
         self._is_open = True
         self._pressed: Optional[Tuple[int, int]] = None  # where the left button went down
         self._is_dragging = False
+        self._is_seeking = False  # the button is down on the timeline
+        self._sought: Optional[int] = None  # the column that it was moved to, in this frame
         width, height = viewer.view.size
-        self._screen = _open_screen((width, height + _BAR_HEIGHT))
+        self._screen = _open_screen((width, height + _BARS_HEIGHT))
         pygame.display.set_caption(title)
         pygame.key.set_repeat()  # held keys drive; they do not repeat
         self._font = pygame.font.SysFont(_FONTS, _FONT_SIZE)
@@ -76,6 +84,7 @@ class Window:
         elapsed = self._clock.tick(_FRAME_RATE) / 1000.0
         for event in pygame.event.get():
             self._handle(event)
+        self._seek()
         self._drive()
         self._viewer.advance(elapsed)
         self._draw()
@@ -91,6 +100,8 @@ class Window:
             pygame.K_SPACE: viewer.toggle_pause,
             pygame.K_PERIOD: viewer.single_step,
             pygame.K_KP_PERIOD: viewer.single_step,
+            pygame.K_COMMA: lambda: viewer.seek_by(-viewer.simulation.step_size),
+            pygame.K_END: lambda: viewer.seek(viewer.timeline.end),
             pygame.K_r: viewer.reset,
             pygame.K_f: viewer.toggle_follow,
             pygame.K_HOME: viewer.show_all,
@@ -116,22 +127,31 @@ class Window:
             self._on_key(event)
         elif event.type == pygame.VIDEORESIZE:
             width, height = (max(side) for side in zip(event.size, _LEAST_SIZE))
-            self._viewer.resize((width, height - _BAR_HEIGHT))
+            self._viewer.resize((width, height - _BARS_HEIGHT))
         elif event.type == pygame.MOUSEWHEEL:
             self._viewer.zoom(event.y, pygame.mouse.get_pos())
         elif event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
-            self._pressed, self._is_dragging = event.pos, False
+            if event.pos[1] >= self._viewer.view.size[1]:
+                self._is_seeking = event.pos[1] < self._viewer.view.size[1] + _TIMELINE_HEIGHT
+                self._sought = event.pos[0]
+            else:
+                self._pressed, self._is_dragging = event.pos, False
+        elif event.type == pygame.MOUSEMOTION and self._is_seeking:
+            self._sought = event.pos[0]
         elif event.type == pygame.MOUSEMOTION and self._pressed is not None:
             self._on_drag(event)
         elif event.type == pygame.MOUSEBUTTONUP and event.button == 1:
             if self._pressed is not None and not self._is_dragging:
                 self._viewer.choose_at(event.pos)
-            self._pressed = None
+            self._pressed, self._is_seeking = None, False
 
     def _on_key(self, event: Any) -> None:
         self._viewer.message = ""
         if event.key == pygame.K_TAB:
             self._viewer.choose_next(-1 if event.mod & pygame.KMOD_SHIFT else 1)
+        elif event.key in (pygame.K_PAGEUP, pygame.K_PAGEDOWN):
+            seconds = 1.0 if event.mod & pygame.KMOD_SHIFT else 10.0
+            self._viewer.seek_by(-seconds if event.key == pygame.K_PAGEUP else seconds)
         elif event.unicode == "+":  # a key of its own, or with Shift, depending on the keyboard
             self._viewer.playback.faster()
         elif event.unicode == "-":
@@ -149,8 +169,18 @@ class Window:
             self._is_dragging = True
             self._viewer.pan(*moved)
 
+    def _seek(self) -> None:
+        """Shows the moment at which the mouse holds the timeline's knob."""
+        if self._sought is not None:
+            timeline, width = self._viewer.timeline, self._viewer.view.size[0]
+            fraction = (self._sought - _MARGIN) / max(width - 2 * _MARGIN, 1)
+            self._viewer.seek(timeline.time_at(fraction))
+            self._sought = None
+
     def _drive(self) -> None:
         """Commands the chosen robot by the keys that are held down."""
+        if not self._viewer.takes_commands:
+            return
         held = pygame.key.get_pressed()
 
         def axis(plus: Tuple[int, ...], minus: Tuple[int, ...]) -> float:
@@ -168,13 +198,24 @@ class Window:
         image = self._viewer.image()
         picture = pygame.image.frombuffer(image.tobytes(), image.size, "RGB")
         self._screen.blit(picture, (0, 0))
+        self._draw_timeline(image.size)
         self._draw_status(image.size)
         if self._viewer.shows_help:
             self._draw_help()
         pygame.display.flip()
 
-    def _draw_status(self, size: Tuple[int, int]) -> None:
+    def _draw_timeline(self, size: Tuple[int, int]) -> None:
+        """A line from the first to the last moment, and a knob at the one that is shown."""
         width, top = size
+        pygame.draw.rect(self._screen, _BAR, (0, top, width, _TIMELINE_HEIGHT))
+        row, length = top + _TIMELINE_HEIGHT // 2 + 2, width - 2 * _MARGIN
+        knob = _MARGIN + round(self._viewer.timeline.fraction * length)
+        pygame.draw.rect(self._screen, _TRACK, (_MARGIN, row - 2, length, 4), border_radius=2)
+        pygame.draw.rect(self._screen, _PAST, (_MARGIN, row - 2, knob - _MARGIN, 4))
+        pygame.draw.circle(self._screen, _PAST, (knob, row), _KNOB)
+
+    def _draw_status(self, size: Tuple[int, int]) -> None:
+        width, top = size[0], size[1] + _TIMELINE_HEIGHT
         pygame.draw.rect(self._screen, _BAR, (0, top, width, _BAR_HEIGHT))
         left, right = (self._font.render(text, True, _TEXT) for text in self._viewer.status())
         row = top + (_BAR_HEIGHT - left.get_height()) // 2

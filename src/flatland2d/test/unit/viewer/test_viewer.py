@@ -113,6 +113,63 @@ def test_models_without_a_drive_take_no_keys(viewer, keys, simulation):
     assert simulation.models["stone"].pose.x == 0.0
 
 
+def test_the_past_can_be_looked_at_and_the_run_goes_on_as_it_was(viewer, keys, simulation):
+    keys.hold(1.0, forwards=1.0)
+    keys.hold(2.0, forwards=1.0, turn=1.0)
+    poses = simulation.poses
+
+    viewer.seek(0.5)
+    assert simulation.models["diff"].pose.x == pytest.approx(-3.75, abs=0.01)
+    assert viewer.status()[0].startswith("0.50 of 3.00 s   paused")
+    assert not viewer.takes_commands
+    viewer.single_step()
+    viewer.seek_by(1.0)
+    viewer.seek_by(-0.005)
+    assert simulation.time == pytest.approx(1.5)
+    viewer.seek_by(20.0)
+
+    assert (simulation.poses == poses).all()
+    assert simulation.time == viewer.timeline.end == pytest.approx(3.0)
+    assert viewer.timeline.fraction == 1.0
+    assert viewer.takes_commands
+
+
+def test_another_run_begins_in_the_past_with_the_keys_that_are_held_then(viewer, keys, simulation):
+    keys.hold(3.0, forwards=1.0)
+    viewer.seek(viewer.timeline.time_at(0.5))
+    viewer.toggle_pause()
+    assert viewer.status()[0].endswith("goes on from 1.50 s")
+
+    keys.hold(1.0)
+
+    assert simulation.models["diff"].pose.x == pytest.approx(-3.25, abs=0.01)
+    assert viewer.timeline.end == pytest.approx(2.5)
+
+
+def test_a_robot_that_keys_have_not_driven_goes_on_in_the_past(viewer, keys, simulation):
+    simulation.models["diff"].command(0.3, 0.0)
+    keys.hold(3.0)
+    viewer.seek(1.0)
+    viewer.toggle_pause()
+
+    keys.hold(1.0)
+
+    assert simulation.models["diff"].velocity.vx == pytest.approx(0.3, abs=1e-6)
+
+
+def test_a_world_that_cannot_be_saved_is_shown_without_its_past(simulation, monkeypatch):
+    def fail(drive):
+        raise ValueError("no state")
+
+    monkeypatch.setattr(type(simulation.models["diff"].plugin("drive")), "get_state", fail)
+    viewer = Viewer(simulation, SIZE, clock=lambda: 0.0)
+    viewer.advance(0.05)
+    viewer.seek_by(-0.02)
+
+    assert simulation.time == pytest.approx(0.05)
+    assert 'the plugin "diff/drive": get_state: ValueError: no state' in viewer.status()[0]
+
+
 def test_tab_follows_one_robot_after_the_other(viewer):
     found = []
     for step in (1, 1, 1, -1):

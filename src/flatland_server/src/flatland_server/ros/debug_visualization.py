@@ -22,10 +22,9 @@ from flatland_server.models.model import Model
 from flatland_server.real_time_timer import RealTimeTimer
 from flatland_server.ros.ros_transport import SubscriberCounter
 from flatland_server.ros.rospy_patches import RospyCalls
-from flatland_server.ros.wall_visualization import WallVisualization
+from flatland_server.serving.map_to_odom import FRAME_ID
+from flatland_server.serving.wall_visualization import WallVisualization
 from flatland_server.simulation.world import World
-
-FRAME_ID = "map"
 
 _FULL_PERIOD = 1.0
 """Seconds of real time after which models at rest are published again."""
@@ -54,7 +53,7 @@ class DebugVisualization:
         self._next_full = 0.0
         self._walls_due: List[float] = []  # when they are published again
         self._subscribers = 0
-        self._walls = WallVisualization(world.layers, FRAME_ID)
+        self._walls = WallVisualization(world.layers, FRAME_ID, world.transport)
         self._models: Dict[str, _ModelDisplay] = {}
         self._closing: List[_ModelDisplay] = []  # of deleted models
         self._topics = rospy.Publisher("~debug/topics", DebugTopicList, queue_size=1, latch=True)

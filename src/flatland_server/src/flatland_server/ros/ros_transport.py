@@ -96,7 +96,7 @@ class RosTransport(Transport):
     def subscribe(
         self, topic: str, message_type: Any, callback: Callable[[Any], None]
     ) -> Subscription:
-        arrival = self.arrivals.open(rospy.resolve_name(topic))
+        arrival = self.arrivals.open(rospy.resolve_name(topic), message_type)
         return _RosSubscription(topic, message_type, callback, self, arrival)
 
     @property
@@ -265,6 +265,7 @@ class _RosSubscription(Subscription):
         arrival: Arrival,
     ) -> None:
         self._is_open = True
+        self._topic = topic
         self._callback = callback
         self._transport = transport
         self._arrival = arrival
@@ -275,6 +276,9 @@ class _RosSubscription(Subscription):
     def _deliver(self, message: Any) -> None:
         if self._is_open:
             self._arrival.note()
+            note = self._transport.on_message
+            if note is not None and self._transport.arrivals.is_first(self._arrival):
+                note(self._topic, message)  # once, and not for each subscription
             self._callback(message)
 
     def close(self) -> None:

@@ -10,23 +10,26 @@ from typing import Callable
 
 import rospy
 
-from flatland_server.exceptions import FlatlandError, counted
-from flatland_server.ros import open_files, rospy_patches
-from flatland_server.ros.client_files import ClientFiles
+from flatland_server.exceptions import FlatlandError, StateError, counted
+from flatland_server.ros import open_files, other_publishers, rospy_patches
 from flatland_server.ros.clock import ClockPublisher, warn_of_other_times
-from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
+from flatland_server.ros.debug_visualization import DebugVisualization
 from flatland_server.ros.diagnostics import Diagnostics
 from flatland_server.ros.interactive_marker_manager import InteractiveMarkerManager
 from flatland_server.ros.launch_arguments import check_launch_arguments, parent_command_line
 from flatland_server.ros.loading_publisher import LoadingPublisher
 from flatland_server.ros.log_handler import RosLogHandler, tolerate_write_errors
-from flatland_server.ros.map_to_odom import MapToOdom
-from flatland_server.ros.model_publisher import ModelPublisher
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.server_config import ServerConfig
-from flatland_server.ros.service_manager import ServiceManager
+from flatland_server.ros.service_manager import RosServiceHost
 from flatland_server.ros.shutdown import Shutdown
-from flatland_server.ros.state_publisher import StatePublisher
+from flatland_server.serving.client_files import ClientFiles
+from flatland_server.serving.map_to_odom import FRAME_ID, MapToOdom
+from flatland_server.serving.model_publisher import ModelPublisher
+from flatland_server.serving.model_services import ModelServices
+from flatland_server.serving.state_publisher import StatePublisher
+from flatland_server.serving.state_services import StateServices
+from flatland_server.simulation.history import History
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.slow_plugin_watch import SlowPluginWatch
 from flatland_server.simulation.thread_priority import ThreadPriority
@@ -35,6 +38,9 @@ from flatland_server.timekeeper import Timekeeper
 
 _REGISTRATION_LIMIT = 10.0
 """Real time that the ROS master has to register the topics of the world [s]."""
+
+_HISTORY_SHARE = 0.05
+"""The largest part of the real time that is spent on keeping states."""
 
 Simulate = Callable[[SimulationManager, Callable[[], bool]], None]
 """Runs a simulation while the second argument returns true."""
@@ -93,13 +99,16 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
             simplify_map=config.simplify_map,
             model_folders=config.models,
         )
-        manager = SimulationManager(world, timekeeper, config.update_rate)
+        manager = SimulationManager(
+            world, timekeeper, config.update_rate, command_age=config.command_age
+        )
         _open_topics(manager, transport, config)
     exclude_from_garbage_collection()
     if transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT):
         warn_of_other_times()  # of two nodes that start together, the second one sees the first
     else:
         rospy.logwarn("the simulation starts before the ROS master knows all of its topics")
+    other_publishers.watch(transport.publisher_counts)
     rospy.loginfo(
         "%s: %s, %s; running",
         config.world_path,
@@ -129,6 +138,11 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
         manager.on_tick.append(ModelPublisher(manager, config.viz_pub_rate).update)
         handles = InteractiveMarkerManager(manager, transport, config.viz_pub_rate, FRAME_ID)
         manager.on_tick.append(handles.update)
+    if config.history:
+        try:
+            History(manager, share=_HISTORY_SHARE)
+        except StateError as error:
+            rospy.logwarn("there is no history, so /seek will fail: %s", error)
     manager.on_tick.append(Diagnostics(manager).update)
     manager.on_tick.append(StatePublisher(manager).update)
     if config.realtime_priority:
@@ -137,7 +151,9 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
     if config.map_to_odom:
         manager.on_tick.append(MapToOdom(manager.world).update)
     files = ClientFiles(manager.world, config.state_folder)
-    ServiceManager(manager, transport, files, config.control_period)
+    host = RosServiceHost(transport)
+    ModelServices(manager.world, host, files)
+    StateServices(manager, host, files, config.control_period)
 
 
 def exclude_from_garbage_collection() -> None:

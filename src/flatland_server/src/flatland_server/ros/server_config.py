@@ -27,6 +27,9 @@ class ServerConfig(NamedTuple):
     realtime_priority: bool
     rospy_patches: bool
     map_to_odom: bool
+    history: bool
+    """Whether states are kept for the service /seek; by default if `show_viz` is set."""
+    command_age: float
     models: Tuple[Path, ...]
     state_folder: Optional[Path] = None
     """For relative names of states; if there is one, clients name files in few folders only."""
@@ -52,13 +55,14 @@ class ServerConfig(NamedTuple):
         no_return = _param("~no_return", "inf")
         if no_return not in ("inf", "nan", "max"):
             raise FlatlandError(f"~no_return: expected inf, nan or max, found {no_return}")
+        show_viz = _flag("~show_viz", True)
         launch_file = rospy.get_param("~launch_file", "")
         return cls(
             world_path=_world_file(str(world_path)),
             update_rate=positive_param("~update_rate", 200.0, allow_infinity=True),
             step_size=positive_param("~step_size", 0.005),
             control_period=positive_param("~control_period", 0.1),
-            show_viz=_flag("~show_viz", True),
+            show_viz=show_viz,
             viz_pub_rate=positive_param("~viz_pub_rate", 30.0),
             seed=seed,
             simplify_map=simplify_map,
@@ -66,6 +70,8 @@ class ServerConfig(NamedTuple):
             realtime_priority=_flag("~realtime_priority", True),
             rospy_patches=_flag("~rospy_patches", True),
             map_to_odom=_flag("~map_to_odom", False),
+            history=_flag("~history", show_viz),
+            command_age=positive_param("~command_age", math.inf, allow_infinity=True),
             models=_folders("~models"),
             state_folder=next(iter(_folders("~state_folder")), None),
             launch_file=Path(launch_file) if launch_file else None,

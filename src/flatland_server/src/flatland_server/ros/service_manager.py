@@ -1,21 +1,23 @@
 """The server's ROS services. Errors are reported as `ModelError: a model named ...`."""
 
-from typing import Any, Callable, Type
+from concurrent.futures import Future
+from typing import Any, Callable, ContextManager, TypeVar
 
+import rosgraph
 import rospy
-from flatland_msgs.srv import ChangeRate, ChangeRateRequest, ChangeRateResponse, StepWorld
-from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
 
 from flatland_server.exceptions import FlatlandError
-from flatland_server.ros.client_files import ClientFiles, told
-from flatland_server.ros.model_services import ModelServices
-from flatland_server.ros.ros_transport import RosTransport
-from flatland_server.ros.state_services import StateServices
-from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.messages import service_types
+from flatland_server.ros.ros_transport import REGISTRATION_LIMIT, RosTransport
+from flatland_server.ros.rospy_patches.master_calls import NO_ANSWER, Master
+from flatland_server.serving.client_files import told
+from flatland_server.serving.service_host import Action, ServiceHost
+
+T = TypeVar("T")
 
 
-class ServiceManager:
-    """Offers the services for models, for pausing and for the rate.
+class RosServiceHost(ServiceHost):
+    """Offers services over ROS.
 
     rospy calls a service on a thread of its own. Files are read there; what changes the simulation
     runs on the simulation's thread, between two steps.
@@ -24,57 +26,45 @@ class ServiceManager:
     `flatland_server.exceptions`; `ValueError` for a rate), for programs to tell errors apart.
 
     Args:
-        manager: the simulation.
         transport: hands calls over to the simulation's thread.
-        files: finds the files that clients name.
-        control_period: simulated time of a call of /step_world [s].
     """
 
-    def __init__(
-        self,
-        manager: SimulationManager,
-        transport: RosTransport,
-        files: ClientFiles,
-        control_period: float,
-    ) -> None:
-        self._manager = manager
+    def __init__(self, transport: RosTransport) -> None:
         self._transport = transport
-        ModelServices(manager.world, transport, files, self._offer)
-        states = StateServices(manager, transport, files, self._offer, control_period)
-        rospy.Service("step_world", StepWorld, states.step_world)
-        self._offer("change_rate", ChangeRate, ChangeRateResponse, self._change_rate)
-        self._offer_empty("pause", manager.pause)
-        self._offer_empty("resume", manager.resume)
-        self._offer_empty("toggle_pause", manager.toggle_pause)
 
-    def _offer(
-        self, name: str, service: Any, response: Type[Any], action: Callable[[Any], Any]
-    ) -> None:
-        """Offers a service.
-
-        Args:
-            name: of the service.
-            service: its type.
-            response: its response's type, with `success` and `message`.
-            action: called with the request; returns the response, or None for success.
-        """
+    def offer(self, name: str, type_name: str, action: Action) -> None:
+        service = service_types.get(type_name)
+        slots = service.response.__slots__
 
         def handle(request: Any) -> Any:
             try:
-                return action(request) or response(success=True)
+                fields = action(request) or {}
             except (FlatlandError, ValueError) as error:
                 message = told(error)
                 rospy.logwarn("%s: %s", name, message)
-                return response(success=False, message=message)
+                if "success" not in slots:
+                    raise rospy.ServiceException(message) from None
+                return service.response(success=False, message=message)
+            return service.response(**({"success": True} if "success" in slots else {}), **fields)
 
-        rospy.Service(name, service, handle)
+        rospy.Service(name, service.ros_class, handle)
 
-    def _offer_empty(self, name: str, action: Callable[[], None]) -> None:
-        def handle(request: EmptyRequest) -> EmptyResponse:
-            self._transport.call(action)
-            return EmptyResponse()
+    def call(self, function: Callable[[], T]) -> T:
+        return self._transport.call(function)
 
-        rospy.Service(name, Empty, handle)
+    def wait(self, future: "Future[T]") -> T:
+        return self._transport.wait(future)
 
-    def _change_rate(self, request: ChangeRateRequest) -> None:
-        self._transport.call(lambda: self._manager.change_rate(request.rate))
+    def registration(self) -> ContextManager[None]:
+        return self._transport.rospy_calls.batch_registration()
+
+    def wait_until_registered(self) -> bool:
+        return self._transport.rospy_calls.wait_until_registered(REGISTRATION_LIMIT)
+
+    def world_is_open(self, path: str) -> None:
+        """Sets ~world_path, if the ROS master answers in time; it may be stopped, or dead."""
+        name = "~world_path"
+        try:
+            Master(rosgraph.get_master_uri()).set_parameter(rospy.resolve_name(name), path)
+        except NO_ANSWER:
+            rospy.logwarn("the ROS master does not answer: %s is not set to %s", name, path)

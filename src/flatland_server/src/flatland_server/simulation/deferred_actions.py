@@ -39,6 +39,8 @@ class DeferredActions:
         """A context in which all actions are deferred. May be nested."""
         self.pending: Deque[Tuple[Callable[[], Any], str]] = deque()
         """The deferred actions, each with the log message for a failure."""
+        self.revision = 0
+        """Counts the actions that were not deferred: changes from outside the steps."""
         self._changing: Set[str] = set()
         self._is_running = False
 
@@ -78,6 +80,7 @@ class DeferredActions:
         if self.is_locked or unless_changing in self._changing:
             self.pending.append((action, failure))
             return None
+        self.revision += 1
         result = action()
         self.run_pending()
         return result

@@ -90,6 +90,10 @@ class Pacer:
         self._step_starts.append(self._now)
         return True
 
+    def skip_step(self) -> None:
+        """Gives up a step that was to be made now: it is not caught up."""
+        self._last_due = self._now
+
     def end_step(self, period: float, is_paused: bool) -> bool:
         """Schedules the next step, also if none was due. Returns whether it is time for a tick.
 

@@ -1,15 +1,20 @@
 """Runs a world in real time, faster or slower, and pauses it."""
 
+import math
 import time
 from concurrent.futures import Future
 from typing import Callable, List, Optional, Sequence
 
 from flatland_server.exceptions import FlatlandError
+from flatland_server.simulation.command_wait import CommandWait
 from flatland_server.simulation.pacer import Pacer
 from flatland_server.simulation.run import Run
 from flatland_server.simulation.step_request import StepRequest
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
+
+_COMMAND_WAIT = 0.001
+"""Real time between two looks for a command that is waited for [s]."""
 
 
 class SimulationManager(Run):
@@ -19,6 +24,8 @@ class SimulationManager(Run):
         world: to step.
         timekeeper: counts the simulated time.
         update_rate: steps per second of real time; infinity is as fast as the machine can.
+        command_age: simulated time after a command from which on time stands still until the next
+            one comes [s]; see `CommandWait`. Infinity: never.
         clock: returns the real time [s].
 
     Raises:
@@ -31,6 +38,7 @@ class SimulationManager(Run):
         timekeeper: Timekeeper,
         update_rate: float = 200.0,
         *,
+        command_age: float = math.inf,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         if not update_rate > 0:
@@ -45,6 +53,10 @@ class SimulationManager(Run):
         """Called before each wait for the next step, and otherwise every millisecond; also during
         a pause."""
         self._clock = clock
+        self._command_wait: Optional[CommandWait] = None
+        if math.isfinite(command_age):
+            steps = max(1, round(command_age / timekeeper.step_size))
+            self._command_wait = CommandWait(world.transport.arrivals, steps, clock)
         self._pacer = Pacer(clock)
         self.after_jump.append(lambda: self._pacer.start(self.timekeeper.seconds))
         self._request: Optional[StepRequest] = None
@@ -139,14 +151,22 @@ class SimulationManager(Run):
         pacer, transport = self._pacer, self.transport
         pacer.start(self.timekeeper.seconds)
         is_hurrying = ends_request = False  # is making the steps of a request; has made the last
+        is_late = False  # the controllers are
         try:
             while goes_on():
                 wait_time = 0.0 if is_hurrying else pacer.wait_time
+                if is_late:
+                    wait_time = max(wait_time, _COMMAND_WAIT)
                 transport.process(wait_time)
                 if not goes_on():
                     return
                 self._follows_at_once = wait_time <= 0.0
+                if self._command_wait is not None:
+                    is_late = self._command_wait.is_due(self.is_stepping)
                 is_due = pacer.begin_step(self.is_paused or self.is_held)
+                if is_due and is_late:
+                    pacer.skip_step()
+                    is_due = False
                 if self._request is not None:
                     is_hurrying = self._serve(self._request)
                     ends_request = self._request.is_complete

@@ -119,6 +119,16 @@ class World:
             )
         return cls(config, transport, seed=seed, loader=loader)
 
+    def twin(self, transport: Transport) -> "World":
+        """Another world of the same files and plugin classes, as it is after a reset.
+
+        Args:
+            transport: of the other world.
+        """
+        twin = World(self.config, transport, seed=self.seed, loader=self._loader)
+        twin.contents.plugins.take_over_warnings(self.contents.plugins)
+        return twin
+
     def _start(self) -> None:
         """Adds the layers and models of the files, and starts all plugins."""
         contents = self.contents
@@ -285,6 +295,7 @@ class World:
             raise FlatlandError(
                 "add_model is for between steps; spawn_model may be called in a hook"
             )
+        self.contents.deferred.revision += 1
         return self.contents.add_model(entry)
 
     def overlap_warning(self, model: Model) -> str:
@@ -356,6 +367,7 @@ class World:
         """
         if self.contents.deferred.is_locked:
             raise FlatlandError("walls are put up between steps, not during one")
+        self.contents.deferred.revision += 1
         self.contents.add_walls(self.get_layer(layer), segments)
 
     # New contents

@@ -1,6 +1,8 @@
 """The subscriptions with a message since the last step, for control in lockstep."""
 
-from typing import Dict, List, Optional
+from typing import Any, Dict, List, Optional
+
+_COMMAND = "geometry_msgs/Twist"
 
 
 class Arrivals:
@@ -9,19 +11,25 @@ class Arrivals:
     def __init__(self) -> None:
         self.step = 0
         self._subscriptions: Dict[str, List[Arrival]] = {}
+        self.commands: List[Arrival] = []
+        """The subscriptions to commands of robots."""
 
-    def open(self, topic: str) -> "Arrival":
+    def open(self, topic: str, message_type: Any = None) -> "Arrival":
         """A new subscription.
 
         Args:
             topic: its absolute name.
+            message_type: of its messages; those of `_COMMAND` command a robot.
         """
         arrival = Arrival(self, topic)
+        if getattr(message_type, "_type", None) == _COMMAND:
+            self.commands.append(arrival)
         self._subscriptions.setdefault(topic, []).append(arrival)
         return arrival
 
     def close(self, arrival: "Arrival") -> None:
         """Forgets a subscription."""
+        self.commands = [each for each in self.commands if each is not arrival]
         left = [each for each in self._subscriptions.get(arrival.topic, []) if each is not arrival]
         if left:
             self._subscriptions[arrival.topic] = left
@@ -32,6 +40,14 @@ class Arrivals:
         """Notes a message for all subscriptions of a topic."""
         for each in self._subscriptions.get(topic, []):
             each.note()
+
+    def is_first(self, arrival: "Arrival") -> bool:
+        """True if a subscription is the oldest one of its topic.
+
+        Args:
+            arrival: the subscription.
+        """
+        return self._subscriptions.get(arrival.topic, [None])[0] is arrival
 
     def next_step(self) -> None:
         """Notes the end of a step: no subscription has got a message since."""
@@ -68,3 +84,7 @@ class Arrival:
     def note(self) -> None:
         """Notes a message."""
         self.step = self._arrivals.step
+
+    def forget(self) -> None:
+        """Forgets the last message."""
+        self.step = -1

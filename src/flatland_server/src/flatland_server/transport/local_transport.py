@@ -74,6 +74,19 @@ class LocalTransport(Transport):
         """
         return self._last.get(absolute_name(topic), (None, None))[1]
 
+    def last_latched(self, topic: str) -> Any:
+        """The last message of a topic if it is latched, or None.
+
+        Args:
+            topic: its name.
+        """
+        publisher, message = self._last.get(absolute_name(topic), (None, None))
+        return message if publisher is not None and publisher.is_latched else None
+
+    @property
+    def delivers_own(self) -> bool:
+        return True
+
     @property
     def topics(self) -> Set[str]:
         """The topics that have a publisher."""
@@ -98,7 +111,7 @@ class LocalTransport(Transport):
         publisher, message = self._last.get(topic, (None, None))
         if publisher is not None and publisher.is_latched:
             self._published.append((topic, callback, message))
-        return _LocalSubscription(self, topic, callbacks, callback)
+        return _LocalSubscription(self, topic, message_type, callbacks, callback)
 
     def set_subscribed_topics(self, topics: Optional[Container[str]]) -> None:
         """Changes which topics count as having a subscriber.
@@ -168,7 +181,10 @@ class LocalTransport(Transport):
         while self._inbox:
             topic, message = self._inbox.popleft()
             self.arrivals.note(topic)
-            for callback in list(self._callbacks.get(topic, [])):
+            callbacks = list(self._callbacks.get(topic, []))
+            if callbacks and self.on_message is not None:
+                self.on_message(topic, message)
+            for callback in callbacks:
                 callback(message)
 
     def flush(self) -> None:
@@ -252,11 +268,12 @@ class _LocalSubscription(Subscription):
         self,
         transport: LocalTransport,
         topic: str,
+        message_type: Any,
         callbacks: List[Callable[[Any], None]],
         callback: Callable[[Any], None],
     ) -> None:
         self._transport = transport
-        self._arrival = transport.arrivals.open(topic)
+        self._arrival = transport.arrivals.open(topic, message_type)
         self._callbacks = callbacks
         self._callback = callback
         callbacks.append(callback)

@@ -7,7 +7,7 @@ not use a transport itself but its `Node`, and so runs with either of them.
 
 import math
 from abc import ABC, abstractmethod
-from typing import Any, Callable, Iterable, Sequence, Tuple
+from typing import Any, Callable, Iterable, Optional, Sequence, Tuple
 
 from flatland_server.geometry import Pose, Transform
 from flatland_server.transport.arrivals import Arrivals
@@ -86,6 +86,7 @@ class Transport(ABC):
             same, `process` and `flush` have nothing to do. NaN, which equals nothing, if a
             transport does not know.
         arrivals: the subscriptions with a message since the last step.
+        on_message: called before plugins get a message from outside, with its topic, if set.
         returns_on_arrival: whether `process` returns once callbacks have run, instead of waiting
             for its timeout.
     """
@@ -93,7 +94,13 @@ class Transport(ABC):
     def __init__(self) -> None:
         self.activity = math.nan
         self.arrivals = Arrivals()
+        self.on_message: Optional[Callable[[str, Any], None]] = None
         self.returns_on_arrival = False
+
+    @property
+    def delivers_own(self) -> bool:
+        """True if plugins get the messages of other plugins at once, and not from outside."""
+        return False
 
     @property
     def node_name(self) -> str:

@@ -67,7 +67,7 @@ CALLS = {
     "drive": {"command": (0, 0, 0), "target": (), "velocity": ()},
     "tricycle": {"command": (0, 0), "speed": (), "steer_angle": ()},
     "tween": {"trigger": (True,), "progress": ()},
-    "drift": {"pose": ()},
+    "drift": {"pose": (), "velocity": ()},
     "lidar": {"expect_scan": (), "ranges": (), "scan": ()},
 }
 """The attributes of each kind of handle, with arguments for those that are called."""

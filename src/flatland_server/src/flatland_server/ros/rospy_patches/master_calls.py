@@ -92,6 +92,15 @@ class Master:
         """
         self._proxy.setParam(rospy.get_caller_id(), name, value)
 
+    def publishers(self) -> List[Any]:
+        """The topics that are published: pairs of a name and its nodes' names.
+
+        Raises:
+            NO_ANSWER: one of these.
+        """
+        answer: Any = self._proxy.getSystemState(rospy.get_caller_id())
+        return list(answer[2][0]) if answer[0] == 1 else []
+
     def has_service(self, name: str, uri: str) -> bool:
         """True if the master knows this service.
 

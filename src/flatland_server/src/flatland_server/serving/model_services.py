@@ -1,42 +1,23 @@
 """The services for models, and the topic `move_model`."""
 
+import logging
 from contextlib import contextmanager
-from typing import Any, Callable, Iterable, Iterator, List, TypeVar
-
-import rospy
-from flatland_msgs.msg import MoveModelMsg
-from flatland_msgs.srv import (
-    DeleteModel,
-    DeleteModelRequest,
-    DeleteModelResponse,
-    DeleteModels,
-    DeleteModelsRequest,
-    DeleteModelsResponse,
-    GetModelMarkers,
-    GetModelMarkersRequest,
-    GetModelMarkersResponse,
-    MoveModel,
-    MoveModelRequest,
-    MoveModelResponse,
-    SpawnModel,
-    SpawnModelRequest,
-    SpawnModelResponse,
-    SpawnModels,
-    SpawnModelsRequest,
-    SpawnModelsResponse,
-)
-from geometry_msgs.msg import Pose2D
-from visualization_msgs.msg import MarkerArray
+from typing import Any, Callable, Dict, Iterable, Iterator, List, TypeVar
 
 from flatland_server.exceptions import FlatlandError, ModelError, shortened
 from flatland_server.geometry import Pose
+from flatland_server.messages.message_types import get
 from flatland_server.messages.model_markers import preview
 from flatland_server.models.model import ModelText
-from flatland_server.ros.client_files import ClientFiles, EntryError, told
-from flatland_server.ros.ros_transport import REGISTRATION_LIMIT, RosTransport
-from flatland_server.ros.state_services import Offer
+from flatland_server.serving.client_files import ClientFiles, EntryError, told
+from flatland_server.serving.service_host import ServiceHost
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import ModelEntry, ModelSource
+
+logger = logging.getLogger(__name__)
+
+MarkerArray = get("visualization_msgs/MarkerArray")
+MoveModelMsg = get("flatland_msgs/MoveModelMsg")
 
 T = TypeVar("T")
 
@@ -51,38 +32,39 @@ class ModelServices:
 
     Args:
         world: has the models.
-        transport: hands calls over to the simulation's thread.
+        host: offers the services.
         files: finds the files that clients name.
-        offer: offers a service; see `ServiceManager`.
     """
 
-    def __init__(
-        self, world: World, transport: RosTransport, files: ClientFiles, offer: Offer
-    ) -> None:
+    def __init__(self, world: World, host: ServiceHost, files: ClientFiles) -> None:
         self._world = world
-        self._transport = transport
+        self._host = host
         self._files = files
         self._last_warning = ""
-        offer("spawn_model", SpawnModel, SpawnModelResponse, self._spawn_model)
-        offer("spawn_model_from_string", SpawnModel, SpawnModelResponse, self._spawn_from_string)
-        offer("spawn_models", SpawnModels, SpawnModelsResponse, self._spawn_models)
-        offer("delete_model", DeleteModel, DeleteModelResponse, self._delete_model)
-        offer("delete_models", DeleteModels, DeleteModelsResponse, self._delete_models)
-        offer("move_model", MoveModel, MoveModelResponse, self._move_model)
-        offer("get_model_markers", GetModelMarkers, GetModelMarkersResponse, self._get_markers)
-        transport.subscribe("move_model", MoveModelMsg, self._receive_move)
+        actions = {
+            "spawn_model": ("SpawnModel", self._spawn_model),
+            "spawn_model_from_string": ("SpawnModel", self._spawn_from_string),
+            "spawn_models": ("SpawnModels", self._spawn_models),
+            "delete_model": ("DeleteModel", self._delete_model),
+            "delete_models": ("DeleteModels", self._delete_models),
+            "move_model": ("MoveModel", self._move_model),
+            "get_model_markers": ("GetModelMarkers", self._get_markers),
+        }
+        for name, (kind, action) in actions.items():
+            host.offer(name, f"flatland_msgs/{kind}", action)
+        world.transport.subscribe("move_model", MoveModelMsg, self._receive_move)
 
-    def _spawn_model(self, request: SpawnModelRequest) -> SpawnModelResponse:
+    def _spawn_model(self, request: Any) -> Dict[str, Any]:
         def read() -> ModelEntry:
             return self._read(request, self._files.model_file(request.yaml_path))
 
-        return SpawnModelResponse(True, self._spawn(read, self._add))
+        return {"message": self._spawn(read, self._add)}
 
-    def _spawn_from_string(self, request: SpawnModelRequest) -> SpawnModelResponse:
+    def _spawn_from_string(self, request: Any) -> Dict[str, Any]:
         source = ModelText(request.yaml_path, request.name)
-        return SpawnModelResponse(True, self._spawn(lambda: self._read(request, source), self._add))
+        return {"message": self._spawn(lambda: self._read(request, source), self._add)}
 
-    def _spawn_models(self, request: SpawnModelsRequest) -> SpawnModelsResponse:
+    def _spawn_models(self, request: Any) -> Dict[str, Any]:
         def read() -> List[ModelEntry]:
             entries = []
             for index, model in enumerate(request.models):
@@ -90,10 +72,10 @@ class ModelServices:
                     entries.append(self._read(model, self._files.model_file(model.yaml_path)))
             return entries
 
-        return SpawnModelsResponse(True, self._spawn(read, self._add_all))
+        return {"message": self._spawn(read, self._add_all)}
 
     def _read(self, model: Any, source: ModelSource) -> ModelEntry:
-        """Reads a model, which has the fields of a `SpawnModelRequest`."""
+        """Reads a model, which has the fields of a request of SpawnModel."""
         return self._world.read_model_entry(source, model.name, model.ns, _to_pose(model.pose))
 
     def _spawn(self, read: Callable[[], T], add: Callable[[T], str]) -> str:
@@ -106,13 +88,13 @@ class ModelServices:
                 raise ModelError(
                     "the world was reloaded while the model's file was read; try again"
                 )
-            with self._transport.rospy_calls.batch_registration():
+            with self._host.registration():
                 return add(content)
 
-        warning = self._transport.call(add_to_this_world)
+        warning = self._host.call(add_to_this_world)
         if warning:
-            rospy.logwarn("spawn_model: %s", warning)
-        if not self._transport.rospy_calls.wait_until_registered(REGISTRATION_LIMIT):
+            logger.warning("spawn_model: %s", warning)
+        if not self._host.wait_until_registered():
             warning = "; ".join(filter(None, (warning, _NOT_REGISTERED)))
         return warning
 
@@ -133,11 +115,11 @@ class ModelServices:
             raise
         return "; ".join(filter(None, warnings))
 
-    def _delete_model(self, request: DeleteModelRequest) -> None:
-        self._transport.call(lambda: self._world.delete_model(request.name))
-        self._transport.rospy_calls.wait_until_registered(REGISTRATION_LIMIT)
+    def _delete_model(self, request: Any) -> None:
+        self._host.call(lambda: self._world.delete_model(request.name))
+        self._host.wait_until_registered()
 
-    def _delete_models(self, request: DeleteModelsRequest) -> None:
+    def _delete_models(self, request: Any) -> None:
         def delete() -> None:
             for index, name in enumerate(request.name):
                 with _naming_entry("name", index, name):
@@ -146,8 +128,8 @@ class ModelServices:
                         raise ModelError("the name is given twice")
             self._remove(request.name)
 
-        self._transport.call(delete)
-        self._transport.rospy_calls.wait_until_registered(REGISTRATION_LIMIT)
+        self._host.call(delete)
+        self._host.wait_until_registered()
 
     def _remove(self, names: Iterable[str]) -> None:
         """Deletes models, unless plugins of one have deleted another."""
@@ -155,11 +137,11 @@ class ModelServices:
             if name in self._world.models:
                 self._world.delete_model(name)
 
-    def _move_model(self, request: MoveModelRequest) -> None:
+    def _move_model(self, request: Any) -> None:
         pose = _to_pose(request.pose)
-        self._transport.call(lambda: self._world.move_model(request.name, pose))
+        self._host.call(lambda: self._world.move_model(request.name, pose))
 
-    def _receive_move(self, message: MoveModelMsg) -> None:
+    def _receive_move(self, message: Any) -> None:
         """Moves a model; warns of a message that it cannot obey, once of equal ones."""
         warning = ""
         try:
@@ -167,12 +149,12 @@ class ModelServices:
         except (FlatlandError, ValueError) as error:
             warning = told(error)
             if warning != self._last_warning:
-                rospy.logwarn("%s: %s", rospy.resolve_name("move_model"), warning)
+                logger.warning("%s: %s", self._world.transport.resolve("move_model"), warning)
         self._last_warning = warning
 
-    def _get_markers(self, request: GetModelMarkersRequest) -> GetModelMarkersResponse:
+    def _get_markers(self, request: Any) -> Dict[str, Any]:
         markers = preview(self._world.read_model(self._files.model_file(request.yaml_path)))
-        return GetModelMarkersResponse(success=True, markers=MarkerArray(markers))
+        return {"markers": MarkerArray(markers)}
 
 
 @contextmanager
@@ -184,5 +166,5 @@ def _naming_entry(key: str, index: int, name: str) -> Iterator[None]:
         raise EntryError(f'{key}[{index}] "{shortened(name)}"', error) from error
 
 
-def _to_pose(pose: Pose2D) -> Pose:
+def _to_pose(pose: Any) -> Pose:
     return Pose(pose.x, pose.y, pose.theta)

@@ -8,26 +8,24 @@ real time, and all models once a second. A message without models means that all
 import time
 from typing import Any, Dict, List, Tuple
 
-import rospy
-from flatland_msgs.msg import (
-    BodyInfo,
-    ModelInfo,
-    ModelList,
-    ModelState,
-    ModelStates,
-    PluginInfo,
-    TopicInfo,
-)
-from geometry_msgs.msg import Pose2D
-from std_msgs.msg import ColorRGBA
-
 from flatland_server.messages import fill_twist, ros_time
+from flatland_server.messages.message_types import get
 from flatland_server.models.footprint import Circle
 from flatland_server.models.model import Model
 from flatland_server.models.model_body import BodyConfig
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.real_time_timer import RealTimeTimer
 from flatland_server.simulation.simulation_manager import SimulationManager
+
+BodyInfo = get("flatland_msgs/BodyInfo")
+ColorRGBA = get("std_msgs/ColorRGBA")
+ModelInfo = get("flatland_msgs/ModelInfo")
+ModelList = get("flatland_msgs/ModelList")
+ModelState = get("flatland_msgs/ModelState")
+ModelStates = get("flatland_msgs/ModelStates")
+PluginInfo = get("flatland_msgs/PluginInfo")
+Pose2D = get("geometry_msgs/Pose2D")
+TopicInfo = get("flatland_msgs/TopicInfo")
 
 _FULL_PERIOD = 1.0  # s of real time, after which models at rest are published again
 
@@ -46,10 +44,11 @@ class ModelPublisher:
         self._described: List[object] = [None]  # the content of the last list; none so far
         self._sent: Dict[Model, Tuple[Any, ...]] = {}  # motion of each model in the last message
         self._next_full = 0.0
-        self._subscribers = 0
+        self._subscriber_revision: object = None
         self._stamp = -1  # simulated time of the last message [ns]
-        self._list = rospy.Publisher("~models", ModelList, queue_size=1, latch=True)
-        self._states = rospy.Publisher("~model_states", ModelStates, queue_size=1)
+        node, advertise = manager.transport.node_name, manager.transport.advertise
+        self._list = advertise(f"{node}/models", ModelList, latch=True, queue_size=1)
+        self._states = advertise(f"{node}/model_states", ModelStates, latch=False, queue_size=1)
         self._publish_list()
 
     def update(self) -> None:
@@ -72,16 +71,16 @@ class ModelPublisher:
             return
         self._described = described
         self._list.publish(
-            [_model_info(model, world.all_plugins_of(model.name)) for model in models]
+            ModelList([_model_info(model, world.all_plugins_of(model.name)) for model in models])
         )
 
     def _publish_states(self) -> None:
-        subscribers, before = self._states.get_num_connections(), self._subscribers
-        self._subscribers = subscribers
-        if not subscribers:
+        if not self._states.has_subscribers:
             return
+        revision, before = self._manager.transport.subscriber_revision, self._subscriber_revision
+        self._subscriber_revision = revision
         now = time.monotonic()
-        if subscribers > before or now >= self._next_full:
+        if revision != before or now >= self._next_full:
             self._next_full = now + _FULL_PERIOD
             self._sent.clear()
         motions = {model: _motion(model) for model in self._manager.world.models.values()}
@@ -91,7 +90,7 @@ class ModelPublisher:
         if moved or now_simulated != self._stamp:
             self._stamp = now_simulated
             stamp = ros_time(now_simulated)
-            self._states.publish(stamp, [_model_state(model) for model in moved])
+            self._states.publish(ModelStates(stamp, [_model_state(model) for model in moved]))
 
 
 def _motion(model: Model) -> Tuple[Any, ...]:
@@ -100,14 +99,14 @@ def _motion(model: Model) -> Tuple[Any, ...]:
     return (*poses, model.base.physics_body.local_velocity)
 
 
-def _model_state(model: Model) -> ModelState:
+def _model_state(model: Model) -> Any:
     state = ModelState(name=model.name, pose=Pose2D(*model.pose))
     fill_twist(state.twist, *model.base.physics_body.local_velocity)
     state.bodies = [Pose2D(*body.pose) for body in model.bodies.values()]
     return state
 
 
-def _model_info(model: Model, plugins: List[Tuple[Plugin, bool]]) -> ModelInfo:
+def _model_info(model: Model, plugins: List[Tuple[Plugin, bool]]) -> Any:
     config = model.config
     is_of_file = config.is_read and config.content is None
     return ModelInfo(
@@ -119,7 +118,7 @@ def _model_info(model: Model, plugins: List[Tuple[Plugin, bool]]) -> ModelInfo:
     )
 
 
-def _body_info(config: BodyConfig, frame_id: str) -> BodyInfo:
+def _body_info(config: BodyConfig, frame_id: str) -> Any:
     corners = []
     for footprint in config.footprints:
         shape = footprint.shape
@@ -133,6 +132,6 @@ def _body_info(config: BodyConfig, frame_id: str) -> BodyInfo:
     return BodyInfo(config.name, frame_id, *box, ColorRGBA(*config.color))
 
 
-def _plugin_info(plugin: Plugin, has_failed: bool) -> PluginInfo:
+def _plugin_info(plugin: Plugin, has_failed: bool) -> Any:
     topics = [TopicInfo(*topic) for topic in plugin.node.topics]
     return PluginInfo(plugin.name, plugin.type, has_failed, topics)

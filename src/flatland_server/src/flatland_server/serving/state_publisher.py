@@ -2,11 +2,11 @@
 
 import time
 
-import rospy
-from flatland_msgs.msg import SimulationState
-
 from flatland_server.messages import ros_time
+from flatland_server.messages.message_types import get
 from flatland_server.simulation.simulation_manager import SimulationManager
+
+SimulationState = get("flatland_msgs/SimulationState")
 
 _PERIOD = 0.2
 """Seconds of real time between two messages; a change by a user is published at once."""
@@ -17,7 +17,10 @@ class StatePublisher:
 
     def __init__(self, manager: SimulationManager) -> None:
         self._manager = manager
-        self._publisher = rospy.Publisher("~state", SimulationState, queue_size=1, latch=True)
+        transport = manager.transport
+        self._publisher = transport.advertise(
+            f"{transport.node_name}/state", SimulationState, latch=True, queue_size=1
+        )
         self._due = 0.0
         self._published = (False, 0.0)
 
@@ -30,6 +33,15 @@ class StatePublisher:
             return
         self._due = now + _PERIOD
         self._published = requested
-        stamp = ros_time(manager.timekeeper.nanoseconds)
+        now_simulated = manager.timekeeper.nanoseconds
+        begin, end = manager.history.span if manager.history else (now_simulated, now_simulated)
         paused, rate = requested
-        self._publisher.publish(SimulationState(stamp, paused, rate, manager.real_time_factor))
+        state = SimulationState(
+            ros_time(now_simulated),
+            paused,
+            rate,
+            manager.real_time_factor,
+            ros_time(begin),
+            ros_time(end),
+        )
+        self._publisher.publish(state)

@@ -1,14 +1,16 @@
 """Stands in for a localiser: publishes identity from the map to each odometry frame."""
 
-from typing import Set
+from typing import Any, Set
 
-import rospy
-from geometry_msgs.msg import TransformStamped
-from tf2_msgs.msg import TFMessage
-
+from flatland_server.messages.message_types import get
 from flatland_server.real_time_timer import RealTimeTimer
-from flatland_server.ros.debug_visualization import FRAME_ID
 from flatland_server.simulation.world import World
+
+TFMessage = get("tf2_msgs/TFMessage")
+TransformStamped = get("geometry_msgs/TransformStamped")
+
+FRAME_ID = "map"
+"""The frame of the world."""
 
 _PERIOD = 0.1  # s of real time
 _ALWAYS = "odom"
@@ -24,7 +26,9 @@ class MapToOdom:
     def __init__(self, world: World) -> None:
         self._world = world
         self._timer = RealTimeTimer(_PERIOD)
-        self._publisher = rospy.Publisher("/tf_static", TFMessage, queue_size=10, latch=True)
+        self._publisher = world.transport.advertise(
+            "/tf_static", TFMessage, latch=True, queue_size=10
+        )
         self._published: Set[str] = set()
         self._publish()
 
@@ -41,7 +45,7 @@ class MapToOdom:
             self._publisher.publish(TFMessage([_identity(frame) for frame in sorted(frames)]))
 
 
-def _identity(frame: str) -> TransformStamped:
+def _identity(frame: str) -> Any:
     transform = TransformStamped(child_frame_id=frame)
     transform.header.frame_id = FRAME_ID
     transform.transform.rotation.w = 1.0

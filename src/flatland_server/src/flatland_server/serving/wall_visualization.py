@@ -4,15 +4,13 @@ They are serialized only for subscribers, and published again when walls are add
 """
 
 import logging
-from typing import Callable, Dict, List, Tuple
+from typing import Any, Callable, Dict, List, Tuple
 
 import numpy as np
-import rospy
-from flatland_msgs.msg import Walls
-from visualization_msgs.msg import MarkerArray
 
 from flatland_server.arrays import Segments
 from flatland_server.messages.layer_walls import walls_of
+from flatland_server.messages.message_types import get
 from flatland_server.messages.serialized_markers import (
     LazyMarkerArray,
     MarkerBytes,
@@ -21,6 +19,10 @@ from flatland_server.messages.serialized_markers import (
 )
 from flatland_server.messages.wall_markers import flat_walls, upright_walls
 from flatland_server.models.layer import Layer, LayerConfig
+from flatland_server.transport.transport import Publisher, Transport
+
+MarkerArray = get("visualization_msgs/MarkerArray")
+Walls = get("flatland_msgs/Walls")
 
 logger = logging.getLogger(__name__)
 
@@ -35,16 +37,18 @@ class WallVisualization:
     Args:
         layers: of the world.
         frame_id: of the world.
+        transport: has the topics.
     """
 
-    def __init__(self, layers: List[Layer], frame_id: str) -> None:
+    def __init__(self, layers: List[Layer], frame_id: str, transport: Transport) -> None:
+        self._transport = transport
         self._layers: List[Layer] = []
         self._frame_id = frame_id
         self._shown: Dict[str, Tuple[Layer, Segments]] = {}
-        self._all = _latched("layers")
-        self._compact = rospy.Publisher("~debug/walls", Walls, queue_size=1, latch=True)
-        self._flat: Dict[str, rospy.Publisher] = {}
-        self._upright: Dict[str, rospy.Publisher] = {}
+        self._all = self._latched("layers", MarkerArray)
+        self._compact = self._latched("walls", Walls)
+        self._flat: Dict[str, Publisher] = {}
+        self._upright: Dict[str, Publisher] = {}
         self.update(layers)
 
     @property
@@ -93,7 +97,7 @@ class WallVisualization:
         former = [*self._flat.values(), *self._upright.values()]
         for publisher in former:
             publisher.publish(array_of([delete_all(self._frame_id)]))
-        self._flat = {name: _latched(f"layer/{name}") for name in names}
+        self._flat = {name: self._latched(f"layer/{name}", MarkerArray) for name in names}
         self._upright = {}
         for name in names:
             if f"{name}_3d" in names:
@@ -103,9 +107,9 @@ class WallVisualization:
                     *(name, name, name),
                 )
             else:
-                self._upright[name] = _latched(f"layer/{name}_3d")
+                self._upright[name] = self._latched(f"layer/{name}_3d", MarkerArray)
         for publisher in former:
-            publisher.unregister()
+            publisher.close()
         self._shown.clear()
         return True
 
@@ -127,13 +131,13 @@ class WallVisualization:
     def _as_markers(self, walls: List[Tuple[LayerConfig, Segments]]) -> LazyMarkerArray:
         frame_id = self._frame_id
 
-        def make() -> MarkerArray:
+        def make() -> Any:
             # A viewer may still show the walls of another world.
             begin = delete_all(frame_id)
             return array_of([begin, *(flat_walls(*each, frame_id) for each in walls)])
 
         return LazyMarkerArray(make)
 
-
-def _latched(topic: str) -> rospy.Publisher:
-    return rospy.Publisher(f"~debug/{topic}", MarkerArray, queue_size=1, latch=True)
+    def _latched(self, topic: str, message_type: Any) -> Publisher:
+        name = f"{self._transport.node_name}/debug/{topic}"
+        return self._transport.advertise(name, message_type, latch=True, queue_size=1)

@@ -1,0 +1,112 @@
+"""flatland serve: simulates a world for web pages, roslib and Foxglove."""
+
+import argparse
+import math
+import secrets
+import sys
+import webbrowser
+from pathlib import Path
+
+from flatland2d.cli.arguments import Subparsers, add_world, positive, whole_from
+from flatland2d.cli.run import interrupts
+from flatland_server.exceptions import MissingPackageError
+
+
+def add_parser(commands: Subparsers) -> None:
+    """Adds the subcommand."""
+    parser = commands.add_parser(
+        "serve",
+        help="simulate a world for web pages, roslib and Foxglove",
+        description="Simulate a world for clients: a page of its own, programs with roslib or "
+        "roslibpy, and Foxglove. Ctrl-C ends it.",
+    )
+    add_world(parser)
+    parser.add_argument("--open", action="store_true", help="open the page in a browser")
+    parser.add_argument(
+        "--rate",
+        type=_rate,
+        default=1.0,
+        metavar="R",
+        help='simulated seconds per second of real time; "inf" is as fast as possible (default: 1)',
+    )
+    parser.add_argument("--paused", action="store_true", help="begin with a pause")
+    parser.add_argument(
+        "--port",
+        type=whole_from(0),
+        default=9090,
+        help="of rosbridge and the page; 0 takes a free one (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--foxglove-port",
+        type=whole_from(0),
+        default=8765,
+        metavar="PORT",
+        help="of Foxglove; 0 takes a free one (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--host",
+        default="127.0.0.1",
+        help="address to listen at; by default only programs on this machine can connect",
+    )
+    parser.add_argument(
+        "--token",
+        nargs="?",
+        const=True,
+        help="clients must know it: ws://HOST:PORT/?token=TOKEN; without a value a random one",
+    )
+    parser.add_argument(
+        "--origin",
+        action="append",
+        default=[],
+        help='pages of this origin may connect, too: https://example.org; "null": pages from files',
+    )
+    parser.add_argument(
+        "--state-folder",
+        type=Path,
+        metavar="FOLDER",
+        help="where clients may save and load states; by default they cannot",
+    )
+    parser.set_defaults(execute=_execute, parser=parser)
+
+
+def _execute(options: argparse.Namespace) -> int:
+    try:
+        from flatland_bridge.server import FOXGLOVE, ROSBRIDGE, Server
+        from flatland_bridge.websocket_server import Access
+    except ImportError as error:
+        if error.name is None or error.name.startswith("flatland"):
+            raise
+        raise MissingPackageError(
+            f"flatland serve needs {error.name}: pip install 'flatland2d[bridge]'"
+        ) from None
+    token = secrets.token_urlsafe(16) if options.token is True else options.token
+    access = Access(options.host, token, options.origin)
+    if not access.is_local:
+        known = "who knows the token" if token else "on the network"
+        print(f"warning: everyone {known} can control the simulation", file=sys.stderr)
+    server = Server(
+        options.world,
+        seed=options.seed,
+        step_size=options.step_size,
+        rate=options.rate,
+        params=dict(options.params),
+        model_folders=options.models,
+        state_folder=options.state_folder,
+        is_paused=options.paused,
+        access=access,
+        rosbridge_port=options.port,
+        foxglove_port=options.foxglove_port,
+    )
+    with server, interrupts() as is_interrupted:
+        page = server.clients.url(ROSBRIDGE, "http")
+        print(f"page: {page}")
+        print(f"rosbridge: {server.clients.url(ROSBRIDGE, 'ws')}")
+        print(f"Foxglove: {server.clients.url(FOXGLOVE, 'ws')}", flush=True)
+        if options.open:
+            webbrowser.open(page)
+        server.run(lambda: not is_interrupted())
+    return 0
+
+
+def _rate(text: str) -> float:
+    return math.inf if text == "inf" else positive(text)

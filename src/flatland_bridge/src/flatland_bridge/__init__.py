@@ -1,0 +1,1 @@
+"""Topics and services of a simulation for other programs: rosbridge, Foxglove, a page."""

@@ -1,0 +1,42 @@
+"""The node bridge: shows the topics and services of a ROS master to clients of all protocols."""
+
+import rospy
+
+from flatland_bridge.ros_graph import RosGraph
+from flatland_bridge.server import FOXGLOVE, ROSBRIDGE, serve_clients
+from flatland_bridge.websocket_server import Access
+from flatland_server.exceptions import FlatlandError
+
+_PERIOD = 0.5
+"""Real time between two looks for new topics and services [s]."""
+
+
+def main() -> int:
+    """Runs the node until it is shut down. Returns its exit code."""
+    rospy.init_node("bridge")
+    token = rospy.get_param("~token", None)
+    access = Access(
+        str(rospy.get_param("~host", "127.0.0.1")),
+        None if token is None else str(token),
+        tuple(rospy.get_param("~origins", ())),
+    )
+    if not access.is_local:
+        rospy.logwarn("everyone who can reach %s can control the simulation", access.host)
+    graph = RosGraph()
+    graph.update()
+    ports = (rospy.get_param("~port", 9090), rospy.get_param("~foxglove_port", 8765))
+    try:
+        clients = serve_clients(graph, *map(int, ports), access)
+    except FlatlandError as error:
+        rospy.logfatal("%s", error)
+        return 1
+    rospy.set_param("~ports", clients.ports)
+    rospy.loginfo("page: %s", clients.url(ROSBRIDGE, "http"))
+    rospy.loginfo("Foxglove: %s", clients.url(FOXGLOVE, "ws"))
+    try:
+        while not rospy.is_shutdown():
+            graph.update()
+            rospy.rostime.wallsleep(_PERIOD)
+    finally:
+        clients.close()
+    return 0

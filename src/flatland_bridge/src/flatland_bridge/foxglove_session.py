@@ -1,0 +1,286 @@
+"""One client of the Foxglove WebSocket protocol: Foxglove, Lichtblick.
+
+https://github.com/foxglove/ws-protocol. Messages are those of ROS 1: `ros1`,
+with `ros1msg` schemas; clients may also send JSON.
+"""
+
+import asyncio
+import itertools
+import struct
+import uuid
+from concurrent.futures import Executor
+from io import BytesIO
+from typing import Any, Callable, Dict, List, Mapping, Set, Tuple
+
+import orjson
+
+from flatland_bridge.graph import BridgeError, Graph, Sample
+from flatland_bridge.outbox import Data, Outbox, Send, Stream
+from flatland_bridge.plain_form import from_plain, to_plain
+from flatland_server.config.ros_names import is_topic
+from flatland_server.exceptions import FlatlandError, MessageError, shortened
+from flatland_server.messages.message_types import get
+
+SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
+"""Equal in all that is used here."""
+
+_MESSAGE_DATA, _TIME, _SERVICE_RESPONSE = 1, 2, 3  # from the server
+_CLIENT_MESSAGE, _SERVICE_REQUEST = 1, 2
+_JSON, _ROS1 = "json", "ros1"
+_ERROR = 2  # a level of status messages
+
+_TOPICS_PERIOD = 0.2
+"""Real time between two looks for new topics [s]."""
+_MOST_TOPICS = 500
+"""Topics that a client may subscribe to, or publish."""
+_MOST_CALLS = 50
+"""Calls of services that may go on for a client at the same time."""
+
+_SESSION_ID = uuid.uuid4().hex
+
+Message = Mapping[str, Any]
+
+
+class FoxgloveSession:
+    """Obeys a client, which is told what is wrong with its messages, and stays connected.
+
+    Args:
+        graph: the topics and services.
+        pool: calls services, which takes time.
+    """
+
+    def __init__(self, graph: Graph, pool: Executor) -> None:
+        self._graph = graph
+        self._pool = pool
+        self._outbox = Outbox()
+        self._numbers = itertools.count(1)
+        self._channels: Dict[int, Tuple[str, str]] = {}  # topics and types, by number
+        self._services: Dict[int, str] = {}
+        self._subscriptions: Dict[int, Tuple[int, Callable[[], None]]] = {}  # channel, end
+        self._client_channels: Dict[int, Tuple[str, Any, str]] = {}  # topic, class, encoding
+        self._calls: Set[asyncio.Task[None]] = set()
+        self._operations: Dict[Any, Callable[[Message], None]] = {
+            "subscribe": self._subscribe,
+            "unsubscribe": self._unsubscribe,
+            "advertise": self._advertise,
+            "unadvertise": self._unadvertise,
+        }
+        self._send(
+            {
+                "op": "serverInfo",
+                "name": "Flatland",
+                "capabilities": ["clientPublish", "services", "time"],
+                "supportedEncodings": [_JSON, _ROS1],
+                "metadata": {},
+                "sessionId": _SESSION_ID,
+            }
+        )
+        self._follow_graph()
+
+    def handle(self, data: Data) -> None:
+        """Obeys a message of the client.
+
+        Args:
+            data: JSON text, or binary data.
+        """
+        try:
+            if isinstance(data, bytes):
+                self._handle_binary(data)
+                return
+            message = orjson.loads(data)
+            operation = message["op"]
+            if operation not in self._operations:
+                raise BridgeError(f'there is no operation "{shortened(str(operation))}"')
+            self._operations[operation](message)
+        except FlatlandError as error:
+            self._send({"op": "status", "level": _ERROR, "message": str(error)})
+        except (KeyError, TypeError, ValueError, struct.error) as error:
+            text = f"a message that does not follow the protocol: {shortened(repr(error))}"
+            self._send({"op": "status", "level": _ERROR, "message": text})
+
+    async def run(self, send: Send) -> None:
+        """Sends messages, and tells the client of new topics and services, for ever."""
+        sending = asyncio.ensure_future(self._outbox.send_all(send))
+        try:
+            while True:
+                await asyncio.wait([sending], timeout=_TOPICS_PERIOD)
+                if sending.done():
+                    return
+                self._follow_graph()
+                self._outbox.reply(struct.pack("<BQ", _TIME, self._graph.nanoseconds))
+        except ConnectionError:  # the client does not read: what waits is dropped with it
+            sending.cancel()
+        finally:
+            sending.cancel()
+
+    def close(self) -> None:
+        """Ends all that the client has begun."""
+        for _, end in self._subscriptions.values():
+            end()
+        for task in self._calls:
+            task.cancel()
+
+    # What there is
+
+    def _follow_graph(self) -> None:
+        """Tells the client which topics and services have come or gone."""
+        topics = set(self._graph.topics.published.items())
+        gone = [number for number, each in self._channels.items() if each not in topics]
+        for number in gone:
+            del self._channels[number]
+            for key in [key for key, (of, _) in self._subscriptions.items() if of == number]:
+                self._end(key)
+        if gone:
+            self._send({"op": "unadvertise", "channelIds": gone})
+        new = sorted(topics.difference(self._channels.values()))
+        if new:
+            numbered = {next(self._numbers): each for each in new}
+            self._channels.update(numbered)
+            channels = [_channel(number, *each) for number, each in numbered.items()]
+            self._send({"op": "advertise", "channels": channels})
+        services = self._graph.services
+        known = set(self._services.values())
+        added = {next(self._numbers): name for name in services if name not in known}
+        if added:
+            self._services.update(added)
+            described = [_service(number, name, services[name]) for number, name in added.items()]
+            self._send({"op": "advertiseServices", "services": described})
+
+    # Topics
+
+    def _subscribe(self, message: Message) -> None:
+        for each in message["subscriptions"]:
+            key, channel = each["id"], each["channelId"]
+            if channel not in self._channels:
+                raise BridgeError(f"there is no channel {shortened(str(channel))}")
+            if not (isinstance(key, int) and 0 <= key < 2**32) or key in self._subscriptions:
+                raise BridgeError(f"a subscription of the id {shortened(str(key))} is not possible")
+            if len(self._subscriptions) >= _MOST_TOPICS:
+                raise BridgeError(f"a client may subscribe to {_MOST_TOPICS} topics")
+            stream = Stream(_encoder(key), self._outbox.wake)
+            self._outbox.streams[key] = stream
+            end = self._graph.subscribe(self._channels[channel][0], stream.receive)
+            self._subscriptions[key] = channel, end
+
+    def _unsubscribe(self, message: Message) -> None:
+        for key in message["subscriptionIds"]:
+            self._end(key)
+
+    def _end(self, key: int) -> None:
+        self._outbox.streams.pop(key, None)
+        _, end = self._subscriptions.pop(key, (0, lambda: None))
+        end()
+
+    def _advertise(self, message: Message) -> None:
+        for each in message["channels"]:
+            topic, encoding = str(each["topic"]), each["encoding"]
+            if not is_topic(topic):
+                raise BridgeError(f'expected the name of a topic, found "{shortened(topic)}"')
+            if encoding not in (_JSON, _ROS1):
+                raise BridgeError(f"expected the encoding json or ros1, found {encoding}")
+            if len(self._client_channels) >= _MOST_TOPICS:
+                raise BridgeError(f"a client may advertise {_MOST_TOPICS} topics")
+            kind = get(str(each["schemaName"]).replace("/msg/", "/"))
+            topic = topic if topic.startswith("/") else f"/{topic}"
+            self._client_channels[each["id"]] = topic, kind, encoding
+            self._graph.advertise(topic, kind)
+
+    def _unadvertise(self, message: Message) -> None:
+        for number in message["channelIds"]:
+            self._client_channels.pop(number, None)
+
+    # Binary messages
+
+    def _handle_binary(self, data: bytes) -> None:
+        code, number = struct.unpack_from("<BI", data)
+        if code == _CLIENT_MESSAGE:
+            if number not in self._client_channels:
+                raise BridgeError(f"channel {number} is not advertised")
+            topic, kind, encoding = self._client_channels[number]
+            self._graph.publish(topic, _message(kind, encoding, data[5:]))
+        elif code == _SERVICE_REQUEST:
+            call, length = struct.unpack_from("<II", data, 5)
+            encoding = data[13 : 13 + length].decode()
+            if len(self._calls) >= _MOST_CALLS:
+                self._fail(number, call, f"a client may make {_MOST_CALLS} calls at a time")
+                return
+            answer = self._call(number, call, encoding, data[13 + length :])
+            task = asyncio.get_running_loop().create_task(answer)
+            self._calls.add(task)
+            task.add_done_callback(self._calls.discard)
+        else:
+            raise BridgeError(f"there is no binary operation {code}")
+
+    async def _call(self, number: int, call: int, encoding: str, data: bytes) -> None:
+        loop = asyncio.get_running_loop()
+        try:
+            name = self._services.get(number, "")
+            payload = await loop.run_in_executor(self._pool, self._answer, name, encoding, data)
+        except FlatlandError as error:
+            self._fail(number, call, str(error))
+        else:
+            head = struct.pack("<BIII", _SERVICE_RESPONSE, number, call, len(encoding))
+            self._outbox.reply(head + encoding.encode() + payload)
+
+    def _answer(self, name: str, encoding: str, data: bytes) -> bytes:
+        """The serialized response of a service; on a thread of the pool."""
+        kind = self._graph.service_type(name)
+        response = self._graph.call(name, _message(kind.request, encoding, data))
+        if encoding == _JSON:
+            return bytes(orjson.dumps(to_plain(response), option=orjson.OPT_SERIALIZE_NUMPY))
+        buffer = BytesIO()
+        response.serialize(buffer)
+        return buffer.getvalue()
+
+    def _fail(self, number: int, call: int, text: str) -> None:
+        failure = {"op": "serviceCallFailure", "serviceId": number, "callId": call}
+        self._send({**failure, "message": text})
+
+    def _send(self, message: Message) -> None:
+        self._outbox.reply(orjson.dumps(message).decode())
+
+
+def _encoder(key: int) -> Callable[[Sample], List[Data]]:
+    """What makes the messages of a subscription."""
+    return lambda sample: [
+        struct.pack("<BIQ", _MESSAGE_DATA, key, sample.nanoseconds) + sample.data
+    ]
+
+
+def _schema(message_type: Any) -> Dict[str, Any]:
+    return {"schemaName": message_type._type, "schemaEncoding": "ros1msg"}
+
+
+def _channel(number: int, topic: str, kind: str) -> Dict[str, Any]:
+    message_type = get(kind)
+    channel = {"id": number, "topic": topic, "encoding": _ROS1, **_schema(message_type)}
+    return {**channel, "schema": message_type._full_text}
+
+
+def _service(number: int, name: str, kind: Any) -> Dict[str, Any]:
+    """The description of a service; as of 2024, and with the fields of before."""
+    service: Dict[str, Any] = {"id": number, "name": name, "type": kind.name}
+    for part, message_type in (("request", kind.request), ("response", kind.response)):
+        text = message_type._full_text
+        service[part] = {"encoding": _ROS1, **_schema(message_type), "schema": text}
+        service[f"{part}Schema"] = text
+    return service
+
+
+def _message(message_type: Any, encoding: str, data: bytes) -> Any:
+    """A message of a client.
+
+    Raises:
+        MessageError: the data is none.
+    """
+    if encoding == _JSON:
+        try:
+            return from_plain(message_type, orjson.loads(data or b"{}"))
+        except orjson.JSONDecodeError as error:
+            raise MessageError(f"expected JSON: {error}") from None
+    if encoding != _ROS1:
+        raise BridgeError(f'expected the encoding json or ros1, found "{shortened(encoding)}"')
+    try:
+        return message_type().deserialize(data)
+    except Exception as error:  # ROS's classes raise all kinds
+        raise MessageError(f"expected a {message_type._type}: {shortened(str(error))}") from None

@@ -1,0 +1,158 @@
+"""The interface between protocols and what they show: topics and services, from any thread."""
+
+from abc import ABC, abstractmethod
+from functools import cached_property
+from io import BytesIO
+from typing import Any, Callable, Dict, NamedTuple, Optional
+
+from flatland_server.exceptions import FlatlandError, suggestion
+from flatland_server.messages.service_types import ServiceType
+
+
+class BridgeError(FlatlandError):
+    """A client asks for a topic or service that does not exist, or for too much."""
+
+
+class Sample:
+    """A message of a topic, converted once for all clients.
+
+    Args:
+        topic: its absolute name.
+        nanoseconds: simulated time [ns].
+        message_type: the class of the message.
+        message: the message, which may be serialized in advance; or None.
+        data: the serialized message, if there is no message.
+    """
+
+    def __init__(
+        self,
+        topic: str,
+        nanoseconds: int,
+        message_type: Any,
+        message: Optional[Any] = None,
+        data: Optional[bytes] = None,
+    ) -> None:
+        self.topic = topic
+        self.nanoseconds = nanoseconds
+        self.message_type = message_type
+        self._message = message
+        self._data = data
+        self.encodings: Dict[str, bytes] = {}
+        """What protocols make of it, by their names."""
+
+    @cached_property
+    def message(self) -> Any:
+        """The message with all of its fields."""
+        # One that is serialized in advance, or when it is sent, has no fields.
+        if type(self._message) is self.message_type:
+            return self._message
+        return self.message_type().deserialize(self.data)
+
+    @cached_property
+    def data(self) -> bytes:
+        """The serialized message."""
+        if self._data is not None:
+            return self._data
+        buffer = BytesIO()
+        assert self._message is not None
+        self._message.serialize(buffer)
+        return buffer.getvalue()
+
+
+Receive = Callable[[Sample], None]
+"""Receives a message. It is called on a thread of the graph, and must return at once."""
+
+
+class Topics(NamedTuple):
+    """The types of topics by their absolute names.
+
+    Attributes:
+        published: topics with a publisher.
+        subscribed: topics with a subscriber.
+    """
+
+    published: Dict[str, str]
+    subscribed: Dict[str, str]
+
+    @property
+    def types(self) -> Dict[str, str]:
+        """All topics."""
+        return {**self.subscribed, **self.published}
+
+
+class Graph(ABC):
+    """Topics and services. All methods may be called on any thread."""
+
+    @property
+    @abstractmethod
+    def topics(self) -> Topics:
+        """The present topics."""
+
+    @property
+    @abstractmethod
+    def services(self) -> Dict[str, ServiceType]:
+        """The present services by their absolute names."""
+
+    @property
+    @abstractmethod
+    def nanoseconds(self) -> int:
+        """Simulated time [ns]."""
+
+    @abstractmethod
+    def subscribe(self, topic: str, receive: Receive) -> Callable[[], None]:
+        """Subscribes to a topic, which need not exist yet.
+
+        Args:
+            topic: its absolute name.
+            receive: called with each message; first with the last one if the topic is latched.
+
+        Returns:
+            A function that ends the subscription.
+        """
+
+    def advertise(self, topic: str, message_type: Any) -> None:  # noqa: B027 (nothing to prepare)
+        """Prepares to publish to a topic.
+
+        Args:
+            topic: its absolute name.
+            message_type: the class of its messages.
+        """
+
+    @abstractmethod
+    def publish(self, topic: str, message: Any) -> None:
+        """Publishes a message.
+
+        Args:
+            topic: its absolute name.
+            message: of the topic's type.
+
+        Raises:
+            BridgeError: the topic has another type, or too many messages wait.
+        """
+
+    @abstractmethod
+    def call(self, service: str, request: Any) -> Any:
+        """Calls a service, waits for its response and returns it.
+
+        Args:
+            service: its absolute name.
+            request: of the service's type.
+
+        Raises:
+            FlatlandError: there is no such service, or the call has failed.
+        """
+
+    def service_type(self, service: str) -> ServiceType:
+        """The type of a service.
+
+        Args:
+            service: its absolute name.
+
+        Raises:
+            BridgeError: there is no such service.
+        """
+        services = self.services
+        if service not in services:
+            hint = suggestion(service, services)
+            raise BridgeError(f'there is no service "{service}"{hint}')
+        return services[service]

@@ -1,0 +1,159 @@
+// Draws the world: walls, models and scans. Lengths are in metres, y points up.
+
+const AREA = "rgba(31, 111, 235, 0.10)", RETURN = "#d92d20", CHOSEN = "#1f6feb";
+
+const css = ({r, g, b, a}) => `rgba(${r * 255 | 0}, ${g * 255 | 0}, ${b * 255 | 0}, ${a})`;
+
+/** A pose in a frame, given in that of the world. */
+export function compose(frame, pose) {
+  const cos = Math.cos(frame.theta), sin = Math.sin(frame.theta);
+  return {
+    x: frame.x + cos * pose.x - sin * pose.y,
+    y: frame.y + sin * pose.x + cos * pose.y,
+    theta: frame.theta + pose.theta,
+  };
+}
+
+export class View {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.context = canvas.getContext("2d");
+    this.center = {x: 0, y: 0};
+    this.scale = 20;  // pixels per metre
+    this.isFitted = false;
+    this.layers = [];  // {path, color}
+    this.shapes = new Map();  // by body, "model/body": {fill, outline, color}
+    this.poses = new Map();  // of bodies, as the keys of shapes
+    this.scans = new Map();  // by topic: {pose(), message}
+    this.chosen = null;  // the name of a model
+    this.arrow = null;  // {from, to}: a model that is about to be spawned
+    new ResizeObserver(() => this.resize()).observe(canvas);
+  }
+
+  resize() {
+    const ratio = window.devicePixelRatio || 1;
+    this.canvas.width = this.canvas.clientWidth * ratio;
+    this.canvas.height = this.canvas.clientHeight * ratio;
+    this.ratio = ratio;
+    this.draw();
+  }
+
+  /** walls: flatland_msgs/Walls. */
+  setWalls(walls) {
+    let [minX, minY, maxX, maxY] = [Infinity, Infinity, -Infinity, -Infinity];
+    this.layers = walls.layers.map(({segments: s, color}) => {
+      const path = new Path2D();
+      for (let i = 0; i + 3 < s.length; i += 4) {
+        path.moveTo(s[i], s[i + 1]);
+        path.lineTo(s[i + 2], s[i + 3]);
+        minX = Math.min(minX, s[i], s[i + 2]); maxX = Math.max(maxX, s[i], s[i + 2]);
+        minY = Math.min(minY, s[i + 1], s[i + 3]); maxY = Math.max(maxY, s[i + 1], s[i + 3]);
+      }
+      return {path, color: css(color)};
+    });
+    if (minX <= maxX && !this.isFitted) this.fit(minX, minY, maxX, maxY);
+  }
+
+  fit(minX, minY, maxX, maxY) {
+    const {clientWidth: width, clientHeight: height} = this.canvas;
+    this.center = {x: (minX + maxX) / 2, y: (minY + maxY) / 2};
+    this.scale = 0.95 * Math.min(width / Math.max(maxX - minX, 1), height / Math.max(maxY - minY, 1));
+    this.isFitted = true;
+  }
+
+  /** markers: of visualization_msgs/MarkerArray; the shapes of bodies in their own frames. */
+  setShapes(markers) {
+    for (const marker of markers) {
+      if (marker.action === 3) { this.shapes.clear(); continue; }
+      const shape = this.shapes.get(marker.ns) ?? {};
+      const path = new Path2D(), isFill = marker.type === 11, points = marker.points;
+      for (let i = 0; i < points.length; i += isFill ? 3 : 2) {
+        path.moveTo(points[i].x, points[i].y);
+        path.lineTo(points[i + 1].x, points[i + 1].y);
+        if (isFill) path.lineTo(points[i + 2].x, points[i + 2].y);
+      }
+      shape[isFill ? "fill" : "outline"] = path;
+      shape[isFill ? "fillColor" : "color"] = css(marker.color);
+      this.shapes.set(marker.ns, shape);
+    }
+  }
+
+  toWorld(event) {
+    const {clientWidth: width, clientHeight: height} = this.canvas;
+    return {
+      x: this.center.x + (event.offsetX - width / 2) / this.scale,
+      y: this.center.y - (event.offsetY - height / 2) / this.scale,
+    };
+  }
+
+  zoom(event, factor) {
+    const before = this.toWorld(event);
+    this.scale = Math.min(2000, Math.max(0.5, this.scale * factor));
+    const after = this.toWorld(event);
+    this.center.x += before.x - after.x;
+    this.center.y += before.y - after.y;
+  }
+
+  draw() {
+    const {context: c, canvas, ratio = 1} = this, scale = this.scale * ratio;
+    c.setTransform(1, 0, 0, 1, 0, 0);
+    c.clearRect(0, 0, canvas.width, canvas.height);
+    c.setTransform(scale, 0, 0, -scale,
+      canvas.width / 2 - this.center.x * scale, canvas.height / 2 + this.center.y * scale);
+    const pixel = ratio / scale;
+    const beams = [...this.scans.values()].map((scan) => this.drawArea(scan));
+    c.lineWidth = Math.max(0.05, 1.5 * pixel);
+    for (const {path, color} of this.layers) {
+      c.strokeStyle = color;
+      c.stroke(path);
+    }
+    c.fillStyle = RETURN;
+    for (const [x, y, isReturn] of beams.flat()) {
+      if (isReturn) c.fillRect(x - 1.5 * pixel, y - 1.5 * pixel, 3 * pixel, 3 * pixel);
+    }
+    for (const [body, shape] of this.shapes) {
+      const pose = this.poses.get(body);
+      if (pose) this.drawShape(shape, pose, pixel, body.startsWith(`${this.chosen}/`));
+    }
+    if (this.arrow) {
+      c.strokeStyle = CHOSEN;
+      c.lineWidth = 2 * pixel;
+      c.beginPath();
+      c.arc(this.arrow.from.x, this.arrow.from.y, 6 * pixel, 0, 2 * Math.PI);
+      c.moveTo(this.arrow.from.x, this.arrow.from.y);
+      c.lineTo(this.arrow.to.x, this.arrow.to.y);
+      c.stroke();
+    }
+  }
+
+  drawShape(shape, pose, pixel, isChosen) {
+    const c = this.context;
+    c.save();
+    c.translate(pose.x, pose.y);
+    c.rotate(pose.theta);
+    c.fillStyle = shape.fillColor;
+    if (shape.fill) c.fill(shape.fill);
+    c.strokeStyle = isChosen ? CHOSEN : shape.color;
+    c.lineWidth = (isChosen ? 2.5 : 1) * pixel;
+    if (shape.outline) c.stroke(shape.outline);
+    c.restore();
+  }
+
+  /** Fills what a scan has seen, and returns the ends of its beams: x, y, and whether it hit. */
+  drawArea({pose: find, message}) {
+    const pose = find(), c = this.context;
+    if (!pose) return [];
+    const {angle_min: begin, angle_increment: increment, range_max: max, ranges} = message;
+    const ends = ranges.map((range, i) => {
+      const isReturn = range !== null && range <= max;
+      const angle = pose.theta + begin + i * increment, reach = isReturn ? range : max;
+      return [pose.x + reach * Math.cos(angle), pose.y + reach * Math.sin(angle), isReturn];
+    });
+    c.fillStyle = AREA;
+    c.beginPath();
+    c.moveTo(pose.x, pose.y);
+    for (const [x, y] of ends) c.lineTo(x, y);
+    c.fill();
+    return ends;
+  }
+}

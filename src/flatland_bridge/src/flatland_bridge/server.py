@@ -1,0 +1,126 @@
+"""A world that is simulated in this process, for clients of all protocols: `flatland serve`."""
+
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any, Callable, Mapping, Optional, Sequence
+
+from flatland2d.world_source import WorldSource, open_world
+from flatland_bridge.foxglove_session import SUBPROTOCOLS, FoxgloveSession
+from flatland_bridge.graph import Graph
+from flatland_bridge.rosbridge_session import Providers, RosbridgeSession
+from flatland_bridge.shared_transport import SharedTransport
+from flatland_bridge.simulated_graph import SimulatedGraph
+from flatland_bridge.websocket_server import Access, Endpoint, WebSocketServer
+from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.timekeeper import Timekeeper
+
+ROSBRIDGE, FOXGLOVE = "rosbridge", "Foxglove"
+
+_WORKERS = 8
+"""Calls of services that are answered at the same time."""
+
+
+def serve_clients(
+    graph: Graph, rosbridge_port: int, foxglove_port: int, access: Access
+) -> WebSocketServer:
+    """Serves the clients of all protocols, until it is closed.
+
+    Args:
+        graph: the topics and services.
+        rosbridge_port: of rosbridge and the page; 0 takes a free one.
+        foxglove_port: of Foxglove; 0 takes a free one.
+        access: who may connect.
+
+    Raises:
+        BridgeError: a port or the address cannot be used.
+    """
+    pool, providers = ThreadPoolExecutor(_WORKERS, "service"), Providers()
+    endpoints = (
+        Endpoint(
+            ROSBRIDGE,
+            rosbridge_port,
+            lambda: RosbridgeSession(graph, pool, providers),
+            has_page=True,
+        ),
+        Endpoint(FOXGLOVE, foxglove_port, lambda: FoxgloveSession(graph, pool), SUBPROTOCOLS),
+    )
+    return WebSocketServer(endpoints, access)
+
+
+class Server:
+    """A simulation and its clients.
+
+    Args:
+        world: the name of a shipped world, or the path of a world file.
+        seed: of all random numbers.
+        step_size: length of a step [s].
+        rate: simulated seconds per second of real time; infinity is as fast as the machine can.
+        params: parameters by absolute name.
+        model_folders: folders to search for model files that are not beside the world file.
+        state_folder: where clients may save and load states; by default they cannot.
+        is_paused: whether it begins with a pause.
+        access: who may connect.
+        rosbridge_port: of rosbridge and the page; 0 takes a free one.
+        foxglove_port: of Foxglove; 0 takes a free one.
+
+    Raises:
+        FlatlandError: the world cannot be loaded, or a port cannot be used.
+    """
+
+    def __init__(
+        self,
+        world: WorldSource,
+        *,
+        seed: int = 0,
+        step_size: float = 0.005,
+        rate: float = 1.0,
+        params: Mapping[str, Any] = {},
+        model_folders: Sequence[Path] = (),
+        state_folder: Optional[Path] = None,
+        is_paused: bool = False,
+        access: Access = Access(),  # noqa: B008 (immutable)
+        rosbridge_port: int = 9090,
+        foxglove_port: int = 8765,
+    ) -> None:
+        self.transport = SharedTransport(params)
+        opened = open_world(
+            world,
+            self.transport,
+            seed=seed,
+            simplify_map=0,
+            model_folders=model_folders,
+            loader=None,
+        )
+        self._stack = ExitStack()
+        with ExitStack() as stack:
+            self.manager = SimulationManager(opened, Timekeeper(step_size))
+            stack.callback(self.manager.close)
+            self.manager.change_rate(rate)
+            self.manager.is_paused = is_paused
+            self.graph = SimulatedGraph(self.manager, state_folder)
+            self.clients = serve_clients(self.graph, rosbridge_port, foxglove_port, access)
+            stack.callback(self.clients.close)
+            self._stack = stack.pop_all()
+
+    def run(self, goes_on: Callable[[], bool]) -> None:
+        """Simulates, on this thread.
+
+        Args:
+            goes_on: called often; the simulation ends when it returns False.
+        """
+        try:
+            self.manager.run(goes_on)
+        finally:
+            self.transport.is_ending = True
+
+    def close(self) -> None:
+        """Disconnects all clients, and stops the plugins."""
+        self.transport.is_ending = True
+        self._stack.close()
+
+    def __enter__(self) -> "Server":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

@@ -1,0 +1,224 @@
+"""The topics and services of a simulation in this process."""
+
+import threading
+from concurrent.futures import Future
+from pathlib import Path
+from typing import Any, Callable, Dict, FrozenSet, List, Optional, TypeVar
+
+from flatland_bridge.graph import BridgeError, Graph, Receive, Sample, Topics
+from flatland_bridge.shared_transport import SharedTransport
+from flatland_server.config.shipped_worlds import shipped_worlds
+from flatland_server.exceptions import FlatlandError
+from flatland_server.geometry import Transform
+from flatland_server.messages import ros_time
+from flatland_server.messages.message_types import get
+from flatland_server.messages.service_types import ServiceType
+from flatland_server.messages.service_types import get as get_service
+from flatland_server.real_time_timer import RealTimeTimer
+from flatland_server.serving.client_files import ClientFiles, told
+from flatland_server.serving.map_to_odom import FRAME_ID, MapToOdom
+from flatland_server.serving.model_marker_publisher import ModelMarkerPublisher
+from flatland_server.serving.model_publisher import ModelPublisher
+from flatland_server.serving.model_services import ModelServices
+from flatland_server.serving.service_host import Action, ServiceHost
+from flatland_server.serving.state_publisher import StatePublisher
+from flatland_server.serving.state_services import StateServices
+from flatland_server.serving.wall_visualization import WallVisualization
+from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.transport.serialized_transforms import TransformQueue
+from flatland_server.transport.tap import Tap
+
+T = TypeVar("T")
+
+Clock = get("rosgraph_msgs/Clock")
+TFMessage = get("tf2_msgs/TFMessage")
+
+_OWN_TOPICS = {"/clock": Clock._type, "/tf": TFMessage._type}
+_VIEW_RATE = 30.0
+"""How often models and their states are published [Hz of real time]."""
+_TOPICS_PERIOD = 0.2
+"""Real time between two looks for new topics [s]."""
+_CONTROL_PERIOD = 0.1
+"""Simulated time of a call of /step_world [s], as the server's ~control_period by default."""
+
+
+class SimulatedGraph(Graph, Tap):
+    """Shows a simulation: the topics of its plugins, and those and the services of the server.
+
+    A topic without a client counts as one without a subscriber, for which plugins compute nothing.
+
+    Args:
+        manager: the simulation; its transport must be a `SharedTransport`.
+        state_folder: where clients may save and load states; by default they cannot.
+    """
+
+    def __init__(self, manager: SimulationManager, state_folder: Optional[Path] = None) -> None:
+        assert isinstance(manager.transport, SharedTransport)
+        self._transport = manager.transport
+        self._manager = manager
+        self._receivers: Dict[str, List[Receive]] = {}
+        self._lock = threading.Lock()  # of the receivers
+        self._wanted: FrozenSet[str] = frozenset()  # topics, as the transport knows them
+        self._host = _Host(self._transport, with_states=state_folder is not None)
+        self._transforms = TransformQueue()
+        world = manager.world
+        self._walls = WallVisualization(world.layers, FRAME_ID, self._transport)
+        publishers = (
+            ModelPublisher(manager, _VIEW_RATE),
+            ModelMarkerPublisher(world, _VIEW_RATE, FRAME_ID),
+            StatePublisher(manager),
+            MapToOdom(world),
+        )
+        files = _WorldsByName(world, state_folder or world.config.model_folders[0])
+        ModelServices(world, self._host, files)
+        StateServices(manager, self._host, files, _CONTROL_PERIOD)
+        self._topics_timer = RealTimeTimer(_TOPICS_PERIOD)
+        self._topics = self._present_topics()
+        self._transport.open_tap(self)
+        manager.after_step.append(self._send_step)
+        manager.on_tick += [publisher.update for publisher in publishers]
+        manager.on_tick.append(self._update)
+
+    # Graph
+
+    @property
+    def topics(self) -> Topics:
+        return self._topics
+
+    @property
+    def services(self) -> Dict[str, ServiceType]:
+        return self._host.services
+
+    @property
+    def nanoseconds(self) -> int:
+        return self._manager.timekeeper.nanoseconds
+
+    def subscribe(self, topic: str, receive: Receive) -> Callable[[], None]:
+        is_open = True
+
+        def begin() -> None:
+            if is_open:
+                with self._lock:
+                    self._receivers[topic] = [*self._receivers.get(topic, ()), receive]
+                self._follow_subscribers()
+                last = self._transport.last_latched(topic)
+                if last is not None:
+                    receive(self._sample(topic, last))
+
+        def end() -> None:
+            nonlocal is_open
+            is_open = False
+            with self._lock:  # at once: a client may be gone, and the simulation busy
+                rest = [each for each in self._receivers.get(topic, ()) if each is not receive]
+                self._receivers[topic] = rest
+
+        self._transport.post(begin)
+        return end
+
+    def publish(self, topic: str, message: Any) -> None:
+        expected, found = self._transport.types.get(topic), message._type
+        if expected not in (None, found):
+            raise BridgeError(f'the topic "{topic}" expects {expected}, found {found}')
+        if topic in self._topics.published:
+            raise BridgeError(f'the topic "{topic}" is published by the simulation')
+        self._transport.post(lambda: self._transport.send(topic, message))
+
+    def call(self, service: str, request: Any) -> Any:
+        kind = self.service_type(service)
+        has_success = "success" in kind.response.__slots__
+        try:
+            fields = self._host.actions[service](request) or {}
+        except (FlatlandError, ValueError) as error:
+            if not has_success:
+                raise BridgeError(told(error)) from None
+            return kind.response(success=False, message=told(error))
+        self._transport.call(self._follow_topics)  # so that the client finds new ones at once
+        return kind.response(**({"success": True} if has_success else {}), **fields)
+
+    # Tap: on the simulation's thread
+
+    def wants(self, topic: str) -> bool:
+        return topic in self._wanted
+
+    def receive(self, topic: str, message: Any, is_latched: bool) -> None:
+        receivers = self._receivers.get(topic)
+        if receivers:
+            sample = self._sample(topic, message)
+            for receive in receivers:
+                receive(sample)
+
+    def receive_transform(self, transform: Transform) -> None:
+        self._transforms.add(transform)
+
+    def _send_step(self) -> None:
+        """Sends the time and the transforms of a step."""
+        receivers = self._receivers
+        if receivers.get("/clock"):
+            self.receive("/clock", Clock(ros_time(self.nanoseconds)), False)
+        data = self._transforms.take()
+        if data:
+            sample = Sample("/tf", self.nanoseconds, TFMessage, data=data)
+            for receive in receivers.get("/tf", ()):
+                receive(sample)
+
+    def _update(self) -> None:
+        if self._topics_timer.check_update():
+            self._follow_subscribers()
+            self._walls.update(self._manager.world.layers)
+            self._follow_topics()
+
+    def _follow_subscribers(self) -> None:
+        """Tells plugins which topics have subscribers."""
+        wanted = frozenset(topic for topic, each in self._receivers.items() if each)
+        if wanted != self._wanted:
+            self._wanted = wanted
+            self._transport.set_subscribed_topics(wanted)
+
+    def _follow_topics(self) -> None:
+        self._topics = self._present_topics()
+
+    def _present_topics(self) -> Topics:
+        transport = self._transport
+        types = {**transport.types, **_OWN_TOPICS}
+        published = sorted({*transport.topics, *_OWN_TOPICS})
+        return Topics(
+            {name: types[name] for name in published},
+            {name: types[name] for name in sorted(transport.subscribed) if name in types},
+        )
+
+    def _sample(self, topic: str, message: Any) -> Sample:
+        message_type = get(message._type)
+        return Sample(topic, self.nanoseconds, message_type, message)
+
+
+class _Host(ServiceHost):
+    """Keeps the services.
+
+    Args:
+        transport: hands calls over to the simulation's thread.
+        with_states: whether clients may save and load states.
+    """
+
+    def __init__(self, transport: SharedTransport, *, with_states: bool) -> None:
+        self.actions: Dict[str, Action] = {}
+        self.services: Dict[str, ServiceType] = {}
+        self._transport = transport
+        self._refused = () if with_states else ("save_state", "load_state")
+
+    def offer(self, name: str, type_name: str, action: Action) -> None:
+        if name not in self._refused:
+            self.actions[f"/{name}"] = action
+            self.services[f"/{name}"] = get_service(type_name)
+
+    def call(self, function: Callable[[], T]) -> T:
+        return self._transport.call(function)
+
+    def wait(self, future: "Future[T]") -> T:
+        return self._transport.wait(future)
+
+
+class _WorldsByName(ClientFiles):
+    """Clients name shipped worlds, and files in the folders of the world."""
+
+    def world_file(self, name: str) -> Path:
+        return shipped_worlds().get(name) or super().world_file(name)

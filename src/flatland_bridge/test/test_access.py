@@ -1,0 +1,180 @@
+"""Who may connect, what they may read, and what slow and hostile clients cost."""
+
+import hashlib
+import json
+import socket
+import urllib.error
+import urllib.request
+
+import pytest
+from bridge_clients import Client, connect, running
+from websockets.exceptions import InvalidStatus
+
+from flatland_bridge.outbox import MOST_MESSAGES, Stream
+from flatland_bridge.server import FOXGLOVE, ROSBRIDGE
+from flatland_bridge.websocket_server import Access
+
+
+@pytest.mark.parametrize(
+    ("origin", "is_allowed"),
+    [
+        ("http://localhost:8000", True),
+        ("http://127.0.0.1", True),
+        ("https://example.org", True),
+        ("http://evil.example", False),
+        ("http://localhost.evil.example", False),
+        ("null", False),
+    ],
+)
+@pytest.mark.parametrize("protocol", [ROSBRIDGE, FOXGLOVE])
+def test_scripts_of_other_pages_cannot_connect(world, origin, is_allowed, protocol):
+    with running(world, is_paused=True, access=Access(origins=["https://example.org"])) as server:
+        url = server.clients.url(protocol, "ws")
+        options = {"subprotocols": ["foxglove.sdk.v1"]} if protocol == FOXGLOVE else {}
+        if is_allowed:
+            connect(url, origin=origin, **options).close()
+        else:
+            with pytest.raises(InvalidStatus, match="403"):
+                connect(url, origin=origin, **options)
+
+
+def test_without_the_token_nobody_connects(world):
+    with running(world, is_paused=True, access=Access(token="se/cret")) as server:
+        bare = f"ws://localhost:{server.clients.ports[ROSBRIDGE]}/"
+        for url in (bare, f"{bare}?token=wrong", f"{bare}?token="):
+            with pytest.raises(InvalidStatus, match="401"):
+                connect(url)
+        connect(server.clients.url(ROSBRIDGE, "ws")).close()
+        connect(bare, additional_headers={"Authorization": "Bearer se/cret"}).close()
+
+
+def test_only_this_machine_can_connect(server):
+    port = server.clients.ports[ROSBRIDGE]
+    with socket.create_connection(("127.0.0.1", port)), pytest.raises(OSError, match="refused"):
+        socket.create_connection(("127.0.0.2", port))
+
+
+def test_the_page_is_all_that_is_served(server):
+    url = server.clients.url(ROSBRIDGE, "http")
+    with urllib.request.urlopen(url) as page:
+        assert "<canvas" in page.read().decode()
+        assert "default-src 'self'" in page.headers["Content-Security-Policy"]
+    for path in ("page.js/", "../server.py", "%2e%2e/server.py", "etc/passwd", "index.html?x=/.."):
+        with pytest.raises(urllib.error.HTTPError, match="404"):
+            urllib.request.urlopen(url + path)
+
+
+@pytest.mark.parametrize(
+    ("service", "arguments"),
+    [
+        ("/spawn_model", {"yaml_path": "/etc/passwd", "name": "x"}),
+        ("/spawn_model", {"yaml_path": "../secret.model.yaml", "name": "x"}),
+        ("/open_world", {"path": "/etc/passwd"}),
+        ("/get_model_markers", {"yaml_path": "/etc/hostname"}),
+    ],
+)
+def test_clients_name_no_other_files(world, client, service, arguments):
+    (world.parents[1] / "secret.model.yaml").write_text("bodies: []")
+
+    answer = client.call(service, **arguments)["values"]
+
+    assert not answer["success"]
+    assert "root:" not in answer["message"]
+
+
+def test_clients_save_states_only_where_they_may(world, client, tmp_path):
+    assert "no service" in client.call("/save_state", path="/tmp/x")["values"]
+    with running(world, is_paused=True, state_folder=tmp_path) as server:
+        other = Client(server)
+        assert other.call("/save_state", path="a.state")["values"]["success"]
+        assert not other.call("/save_state", path="../a.state")["values"]["success"]
+    assert (tmp_path / "a.state").is_file()
+
+
+def test_a_world_is_opened_by_its_name(client):
+    assert client.call("/open_world", path="office")["values"]["success"]
+    client.subscribed("/flatland_server/models")
+    names = []
+    while "turtlebot" not in names:  # the first list may be that of the former world
+        models = client.next_of("/flatland_server/models")["models"]
+        names = [model["name"] for model in models]
+
+
+def test_a_too_long_message_disconnects_its_client_alone(server, client):
+    other = Client(server)
+    other.socket.send(" " * 2_000_000)
+    with pytest.raises(Exception, match="1009"):
+        other.receive()
+
+    assert client.call("/rosapi/nodes")["result"]
+
+
+def test_too_many_clients_are_refused(server):
+    held = [Client(server) for _ in range(64)]
+    with pytest.raises(InvalidStatus, match="503"):
+        Client(server)
+    for each in held:
+        each.socket.close()
+
+
+def test_a_stream_keeps_the_newest_messages():
+    stream = Stream(encode=None, wake=lambda: None)
+    for number in range(10 * MOST_MESSAGES):
+        stream.receive(number)
+
+    first = stream.take(now=0.0)
+
+    assert first == 9 * MOST_MESSAGES
+    short = Stream(encode=None, wake=lambda: None, length=2)
+    for number in range(5):
+        short.receive(number)
+    assert (short.take(0.0), short.take(0.0), short.take(0.0)) == (3, 4, None)
+
+
+def digest(server, client):
+    """A digest of the run: where the robot is after each of some steps."""
+    result = hashlib.sha256()
+    for _ in range(20):
+        assert client.call("/step", steps=20)["values"]["success"]
+        robot = server.manager.world.models["robot"]
+        result.update(repr((robot.pose, server.manager.timekeeper.nanoseconds)).encode())
+    return result.hexdigest()
+
+
+def test_a_run_is_the_same_with_slow_stalled_and_dying_clients(world):
+    with running(world, is_paused=True) as server:
+        client = Client(server)
+        client.send("publish", topic="/cmd_vel", msg={"linear": {"x": 0.5}, "angular": {"z": 0.3}})
+        alone = digest(server, client)
+
+    with running(world, is_paused=True) as server:
+        client = Client(server)
+        client.send("publish", topic="/cmd_vel", msg={"linear": {"x": 0.5}, "angular": {"z": 0.3}})
+        others = [Client(server) for _ in range(4)]
+        for each in others:
+            for topic in client.call("/rosapi/topics")["values"]["topics"]:
+                each.subscribed(topic)
+        others[0].socket.socket.close()  # dies without a word; the others never read
+        assert digest(server, client) == alone
+
+
+def test_a_stalled_client_costs_bounded_memory(world):
+    """What waits for it does not grow once the buffers and queues are full."""
+    with running(world, is_paused=True) as server:
+        stalled = socket.create_connection(("127.0.0.1", server.clients.ports[ROSBRIDGE]))
+        key = "dGhlIHNhbXBsZSBub25jZQ=="
+        stalled.sendall(
+            f"GET / HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+            f"Sec-WebSocket-Key: {key}\r\nSec-WebSocket-Version: 13\r\n\r\n".encode()
+        )
+        stalled.recv(1000)
+        data = json.dumps({"op": "subscribe", "topic": "/scan", "id": "s"}).encode()
+        stalled.sendall(bytes([0x81, 0x80 | len(data), 0, 0, 0, 0]) + data)
+        client = Client(server)
+        while not server.graph._receivers.get("/scan"):
+            client.call("/rosapi/nodes")
+        [queue] = [each.__self__._waiting for each in server.graph._receivers["/scan"]]
+        for _ in range(15):
+            assert client.call("/step", steps=2000)["values"]["success"]
+        assert len(queue) == MOST_MESSAGES
+        stalled.close()

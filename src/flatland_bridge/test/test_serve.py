@@ -1,0 +1,96 @@
+"""The command `flatland serve`: arguments, output, ends."""
+
+import re
+import signal
+import socket
+import subprocess
+import sys
+
+import pytest
+from bridge_clients import Client, connect
+
+from flatland2d.cli import main
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture
+def serve(world):
+    """Starts the command as a process; returns it with the addresses that it prints."""
+    processes = []
+
+    def start(*arguments):
+        command = [sys.executable, "-m", "flatland2d", "serve", str(world), *arguments]
+        process = subprocess.Popen(
+            [*command, "--port", "0", "--foxglove-port", "0"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        processes.append(process)
+        lines = [process.stdout.readline() for _ in range(3)]
+        return process, dict(re.match(r"(\w+): (\S+)$", line).groups() for line in lines)
+
+    yield start
+    for process in processes:
+        process.kill()
+        process.wait()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_with_clients(serve, number):
+    process, addresses = serve("--rate", "inf")
+    client = connect(addresses["rosbridge"])
+    client.send('{"op": "subscribe", "topic": "/clock"}')
+    client.recv(timeout=20)
+
+    process.send_signal(number)
+
+    assert process.wait(20) == 0
+    assert process.stderr.read() == ""
+
+
+def test_a_random_token_is_printed_and_needed(serve):
+    _, addresses = serve("--token", "--host", "127.0.0.1")
+
+    assert all(len(re.search("token=(.*)", each)[1]) > 20 for each in addresses.values())
+    connect(addresses["rosbridge"])
+    with pytest.raises(Exception, match="401"):
+        connect(addresses["rosbridge"].partition("?")[0])
+
+
+def test_it_warns_if_others_can_connect(serve):
+    process, _ = serve("--host", "0.0.0.0")
+    process.send_signal(signal.SIGINT)
+
+    assert "warning: everyone on the network can control" in process.stderr.read()
+
+
+def test_a_port_in_use_is_named(world, capsys):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        assert main(["serve", str(world), "--port", str(port)]) == 1
+
+    expected = f"flatland: rosbridge cannot listen at 127.0.0.1:{port}: Address already in use\n"
+    assert capsys.readouterr().err == expected
+
+
+def test_what_is_missing_is_named(world, capsys, monkeypatch):
+    for name in [name for name in sys.modules if name.startswith("flatland_bridge")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "orjson", None)
+
+    assert main(["serve", str(world)]) == 1
+
+    expected = "flatland: flatland serve needs orjson: pip install 'flatland2d[bridge]'\n"
+    assert capsys.readouterr().err == expected
+
+
+def test_clients_find_each_other_by_the_printed_address(serve):
+    class Printed:
+        class clients:
+            url = None
+
+    _, addresses = serve("--paused")
+    Printed.clients.url = lambda name, scheme: addresses[name]
+    assert Client(Printed).call("/step", steps=3)["values"]["time"]["nsecs"] == 15_000_000

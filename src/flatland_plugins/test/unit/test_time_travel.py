@@ -1,0 +1,195 @@
+"""`seek` goes to any moment of a run: each is what it was, bit for bit, and the run goes on."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_branches import BOX, WORLDS, actions_of, physics
+
+from flatland2d import Simulation, UsageError
+from flatland_server import messages
+from flatland_server.exceptions import StateError
+from flatland_server.geometry import Pose
+from flatland_server.simulation.world_config import ModelEntry
+
+ALONE = "properties: {}\nlayers: [{name: map}]\nmodels: [{name: robot, model: robot.yaml}]\n"
+PERIODS = [3, 7, 40, 13]
+"""Steps between two commands."""
+
+
+def drive(simulation, rounds, seed=0):
+    """Drives at random; returns poses, velocities and ranges by time, as they are at commands."""
+    robot, rng = simulation.models["robot"], np.random.default_rng(seed)
+    seen = {}
+    for k, command in enumerate(actions_of(simulation, rounds, rng)):
+        if k % 3:
+            robot.command(*command)
+        else:
+            simulation.publish("cmd_vel", twist(*command))
+        simulation.step(PERIODS[k % len(PERIODS)])
+        seen[simulation.time] = observed(simulation)
+    return seen
+
+
+def twist(vx, *rest):
+    message = messages.get("geometry_msgs/Twist")()
+    message.linear.x, message.angular.z = vx, rest[-1]
+    return message
+
+
+def observed(simulation):
+    laser = simulation.models["robot"].sensors["laser"].read()
+    return [simulation.poses, simulation.velocities, laser]
+
+
+def assert_equal(found, expected):
+    assert all(np.array_equal(*each) for each in zip(found, expected))
+
+
+@pytest.fixture(params=WORLDS)
+def world(request, world_of):
+    return world_of(noise="0.02", **WORLDS[request.param])
+
+
+def test_each_moment_is_what_it_was(world):
+    with Simulation(world, seed=3) as simulation:
+        simulation.subscribe("scan", "odometry/filtered", "/tf")
+        simulation.keep_history(interval=0.3)
+        seen = drive(simulation, 40)
+        last = simulation.save_state()
+
+        times = list(seen)
+        for time in np.random.default_rng(1).permutation(times[:-1])[:12]:
+            assert simulation.seek(time).time == time
+            assert_equal(observed(simulation), seen[time])
+        assert simulation.seek(times[-1]).save_state() == last
+
+
+def test_the_run_goes_on_from_a_moment_as_it_did_then(world):
+    with Simulation(world, seed=3) as simulation, Simulation(world, seed=3) as other:
+        simulation.keep_history(interval=0.3)
+        drive(simulation, 23), drive(other, 13)
+        present = other.time
+
+        simulation.seek(present)
+        for _ in range(2):
+            expected = drive(other, 20, seed=1)
+            found = drive(simulation, 20, seed=1)
+            for time, values in expected.items():
+                assert_equal(found[time], values)
+        simulation.seek(present).seek(simulation.history.end)
+
+        assert physics(simulation.save_state()) == physics(other.save_state())
+
+
+@pytest.fixture
+def simulation(world_of):
+    with Simulation(world_of(models=ALONE)) as opened:
+        opened.keep_history()
+        yield opened
+
+
+def test_another_moment_can_be_sought_until_the_run_goes_on(simulation):
+    simulation.step(700)
+    simulation.seek(1.25)
+    simulation.models["robot"].command(1.0, 0.0)  # counts once the run goes on
+    assert (simulation.history.begin, simulation.history.end) == (0.0, 3.5)
+    assert simulation.history.is_in_past
+    simulation.seek(3.0).step(1)
+
+    assert not simulation.models["robot"].velocity.vx
+    assert simulation.history.end == simulation.time == pytest.approx(3.005)
+
+
+def test_commands_of_the_past_are_in_the_new_run(simulation):
+    simulation.step(500)
+    simulation.seek(1.3)
+    simulation.models["robot"].command(1.0, 0.0)
+    simulation.step(300)
+    moved = simulation.poses
+
+    assert not simulation.seek(1.3).models["robot"].velocity.vx
+    assert (simulation.seek(2.8).poses == moved).all()
+    assert moved[0, 0] > 0.5
+
+
+def test_models_that_came_and_went_are_there_at_their_times(simulation):
+    simulation.step(150)
+    simulation.spawn(BOX, "box", (2, 0, 0))
+    simulation.step(30)
+    simulation.move("box", (3, 1, 0))
+    simulation.step(30)
+    simulation.delete("box")
+    simulation.step(500)
+
+    for time, expected in [(0.75, None), (0.8, (2, 0)), (0.9, (2, 0)), (0.95, (3, 1)), (1.1, None)]:
+        box = simulation.seek(time).models.get("box")
+        assert (box and box.pose[:2]) == expected, time
+    assert "box" in simulation.seek(1.05).models
+    assert "box" not in simulation.seek(simulation.history.end).models
+
+
+@pytest.mark.parametrize(("memory", "forgets"), [(30_000, False), (9_000, True)])
+def test_the_memory_is_bounded_and_each_moment_that_is_left_is_exact(world_of, memory, forgets):
+    """States are thinned out at first; if commands alone need more, the oldest are forgotten."""
+    with Simulation(world_of(noise="0.02"), seed=3) as simulation:
+        history = simulation.keep_history(interval=0.1, memory=memory)
+        seen, largest = {}, 0
+        for k in range(20):
+            seen.update(drive(simulation, 8, seed=k))
+            largest = max(largest, history.size)
+
+        assert largest < memory + 40_000  # inputs that are not packed yet
+        assert (history.begin > 0) == forgets
+        assert history.begin < simulation.time * 0.8
+        left = [time for time in seen if time >= history.begin]
+        for time in left[:: len(left) // 10]:
+            assert_equal(observed(simulation.seek(time)), seen[time])
+
+
+@pytest.mark.parametrize("time", [-0.01, 2.51, np.nan, np.inf, "now", None])
+def test_a_time_that_the_history_does_not_have_is_refused(simulation, time):
+    simulation.step(500)
+    with pytest.raises(
+        UsageError, match=r"expected a time from 0 to 2\.5 s, which the history has"
+    ):
+        simulation.seek(time)
+    assert simulation.time == 2.5
+
+
+@pytest.mark.parametrize("wrong", [{"interval": 0}, {"memory": -1}, {"memory": "all"}])
+def test_a_history_of_wrong_arguments_is_refused(simulation, wrong):
+    history = simulation.history
+    with pytest.raises(UsageError, match=f"expected an? {next(iter(wrong))} above 0, found"):
+        simulation.keep_history(**wrong)
+    assert simulation.history is history
+
+
+def test_without_a_history_there_is_nothing_to_seek(simulation):
+    simulation.history.close()
+    with pytest.raises(UsageError, match="expected keep_history"):
+        simulation.seek(0.0)
+    simulation.models["robot"].command(1.0, 0.0)
+    assert simulation.step(10).history is None
+
+
+def test_a_reset_begins_another_history(simulation):
+    simulation.step(700)
+    simulation.reset()
+    simulation.step(100)
+    assert (simulation.history.begin, simulation.history.end) == (0.0, 0.5)
+    assert simulation.seek(0.2).time == pytest.approx(0.2)
+
+
+def test_a_world_that_cannot_be_saved_has_no_history_until_it_can(simulation):
+    simulation.step(10)
+    config = replace(simulation.world.read_model(BOX), is_read=False)
+    simulation.world.add_model(ModelEntry("toy", "", Pose(1, 1, 0), config))
+    simulation.step(10)
+    with pytest.raises(StateError, match=r'there is no history: .*"toy"'):
+        simulation.seek(0.05)
+
+    simulation.delete("toy")
+    simulation.step(10)
+    assert simulation.history.begin == pytest.approx(0.105)
+    assert simulation.step(10).seek(0.16).time == pytest.approx(0.16)

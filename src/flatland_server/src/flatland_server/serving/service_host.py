@@ -1,0 +1,59 @@
+"""The interface of what offers services to clients: over ROS, or over other protocols."""
+
+from abc import ABC, abstractmethod
+from concurrent.futures import Future
+from contextlib import nullcontext
+from typing import Any, Callable, ContextManager, Dict, Optional, TypeVar
+
+T = TypeVar("T")
+
+Action = Callable[[Any], Optional[Dict[str, Any]]]
+"""Called with a request, on any thread. Returns fields of the response; `success` is set for it."""
+
+
+class ServiceHost(ABC):
+    """Offers services, and runs what they do on the simulation's thread."""
+
+    @abstractmethod
+    def offer(self, name: str, type_name: str, action: Action) -> None:
+        """Offers a service.
+
+        A FlatlandError or ValueError of the action is reported in the response's `message`, or if
+        it has none as a failed call.
+
+        Args:
+            name: of the service.
+            type_name: such as "flatland_msgs/SpawnModel".
+            action: answers a request.
+        """
+
+    @abstractmethod
+    def call(self, function: Callable[[], T]) -> T:
+        """Runs a function on the simulation's thread, between steps, and returns its result.
+
+        Args:
+            function: raises what this raises.
+        """
+
+    @abstractmethod
+    def wait(self, future: "Future[T]") -> T:
+        """Waits for a result of the simulation's thread.
+
+        Args:
+            future: raises what this raises.
+        """
+
+    def registration(self) -> ContextManager[None]:
+        """A context in which topics are opened and closed, to register them together."""
+        return nullcontext()
+
+    def wait_until_registered(self) -> bool:
+        """Waits until clients can find new topics. Returns False if that takes too long."""
+        return True
+
+    def world_is_open(self, path: str) -> None:  # noqa: B027 (nothing to do unless it is shown)
+        """Tells viewers which world file is open.
+
+        Args:
+            path: of the file.
+        """

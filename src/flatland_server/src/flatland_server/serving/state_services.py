@@ -1,0 +1,139 @@
+"""The services that control time and state: steps, resets, and saved states."""
+
+from concurrent.futures import Future
+from typing import Any, Callable, Dict
+
+from flatland_server.arguments import steps_in
+from flatland_server.exceptions import FlatlandError
+from flatland_server.messages import ros_time
+from flatland_server.serving.client_files import ClientFiles
+from flatland_server.serving.service_host import ServiceHost
+from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.simulation.world_config import WorldConfig
+from flatland_server.simulation.world_state import read_state, write_state
+
+_DEFAULT_TIMEOUT = 10.0
+"""Real time that /step waits for messages if the request does not say [s]."""
+
+
+class StateServices:
+    """Offers /step, /step_world, /reset, /reload_world, /open_world, /save_state, /load_state,
+    /seek, /change_rate, /pause, /resume and /toggle_pause.
+
+    Like the services for models, they read and write files on the threads of clients, and change
+    the world on the simulation's thread, between two steps.
+
+    Args:
+        manager: the simulation.
+        host: offers the services.
+        files: finds the files that clients name.
+        control_period: simulated time of a call of /step_world [s].
+    """
+
+    def __init__(
+        self,
+        manager: SimulationManager,
+        host: ServiceHost,
+        files: ClientFiles,
+        control_period: float,
+    ) -> None:
+        self._manager = manager
+        self._files = files
+        self._host = host
+        self._control_period = control_period
+        actions = {
+            "step": ("flatland_msgs/Step", self._step),
+            "step_world": ("flatland_msgs/StepWorld", self._step_world),
+            "reset": ("flatland_msgs/Reset", self._reset),
+            "reload_world": ("std_srvs/Trigger", self._reload_world),
+            "open_world": ("flatland_msgs/OpenWorld", self._open_world),
+            "save_state": ("flatland_msgs/SaveState", self._save_state),
+            "load_state": ("flatland_msgs/LoadState", self._load_state),
+            "seek": ("flatland_msgs/Seek", self._seek),
+            "change_rate": ("flatland_msgs/ChangeRate", self._change_rate),
+            "pause": ("std_srvs/Empty", lambda _: host.call(manager.pause)),
+            "resume": ("std_srvs/Empty", lambda _: host.call(manager.resume)),
+            "toggle_pause": ("std_srvs/Empty", lambda _: host.call(manager.toggle_pause)),
+        }
+        for name, (kind, action) in actions.items():
+            host.offer(name, kind, action)
+
+    def _step(self, request: Any) -> Dict[str, Any]:
+        expected = [self._manager.transport.resolve(topic) for topic in request.expect]
+        timeout = request.timeout or _DEFAULT_TIMEOUT
+        manager = self._manager
+        done = self._host.call(lambda: manager.request_steps(request.steps, expected, timeout))
+        return {"time": ros_time(self._host.wait(done))}
+
+    def _step_world(self, request: Any) -> None:
+        """The service /step_world. Its response is empty: errors are those of the call."""
+        manager = self._manager
+
+        def begin() -> "Future[int]":
+            count = steps_in(self._control_period, manager.timekeeper.step_size, "~control_period")
+            manager.pause()
+            return manager.request_steps(count)
+
+        self._host.wait(self._host.call(begin))
+
+    def _change_rate(self, request: Any) -> None:
+        self._host.call(lambda: self._manager.change_rate(request.rate))
+
+    def _reset(self, request: Any) -> None:
+        seed = request.seed if request.new_seed else None
+        keep_time = not request.restart_time
+        self._change(lambda: self._manager.reset(seed, keep_time=keep_time))
+
+    def _reload_world(self, request: Any) -> Dict[str, Any]:
+        registry = self._manager.world.registry
+        config: WorldConfig = self._manager.world.read_config()
+
+        def reload() -> None:
+            if self._manager.world.registry is not registry:
+                raise FlatlandError("another world was loaded while the file was read; try again")
+            self._manager.reload(config)
+
+        self._change(reload)
+        return {"message": f"{config.path} is loaded"}
+
+    def _open_world(self, request: Any) -> Dict[str, Any]:
+        config: WorldConfig = self._manager.world.read_config(self._files.world_file(request.path))
+        self._change(lambda: self._manager.reload(config, keep_time=False))
+        self._host.world_is_open(str(config.path))
+        return {"message": f"{config.path} is open"}
+
+    def _save_state(self, request: Any) -> Dict[str, Any]:
+        path = self._files.state(request.path)
+        manager = self._manager
+        state, without_hooks = self._host.call(
+            lambda: (manager.save_state(), manager.world.plugins_without_state_hooks)
+        )
+        write_state(path, state)
+        message = ""
+        if without_hooks:
+            names = ", ".join(without_hooks)
+            message = f"plugins without get_state, which start from scratch: {names}"
+        return {"message": message, "without_hooks": without_hooks}
+
+    def _load_state(self, request: Any) -> None:
+        state = read_state(self._files.state(request.path))
+        self._change(lambda: self._manager.load_state(state))
+
+    def _seek(self, request: Any) -> None:
+        def seek() -> None:
+            if self._manager.history is None:
+                raise FlatlandError("no history is kept; start the server with history:=true")
+            self._manager.seek(request.time)
+            self._manager.pause()  # else the moment would be gone before it is seen
+
+        self._change(seek)
+
+    def _change(self, action: Callable[[], object]) -> None:
+        """Rebuilds the world on the simulation's thread."""
+
+        def change() -> None:
+            with self._host.registration():
+                action()
+
+        self._host.call(change)
+        self._host.wait_until_registered()
