@@ -48,7 +48,7 @@ class Diagnostics(RecordingCase):
         self.assertGreater(median, 0.0)
         self.assertGreaterEqual(float(values["step period, 99th percentile [ms]"]), median)
         self.assertEqual(values["models"], "1")
-        self.assertEqual(values["plugins"], "3")
+        self.assertEqual(values["plugins"], "4")
         self.assertEqual(values["plugins that failed"], "0")
 
     def test_a_paused_simulation_is_ok_too(self):
@@ -87,7 +87,7 @@ class Diagnostics(RecordingCase):
         status = statuses[simulation]
         self.assertEqual((status.level, status.message), (DiagnosticStatus.OK, "running"))
         values = {value.key: value.value for value in status.values}
-        self.assertEqual((values["plugins"], values["plugins that failed"]), ("4", "1"))
+        self.assertEqual((values["plugins"], values["plugins that failed"]), ("5", "1"))
         self.clock.next(20)  # the simulation continues, and the plugin is not called again
         errors = [m for m in self.log.messages[logged:] if m.level >= Log.ERROR]
         self.assertEqual([m.name for m in errors], [SERVER])

@@ -77,7 +77,7 @@ class State(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.clock = Recorder("/clock", Clock)
-        cls.odometry = Recorder("/odometry/filtered", Odometry)
+        cls.odometry = Recorder("/wheel_odom", Odometry)
         cls.scan = Recorder("/scan", LaserScan)
         cls.cmd_vel = rospy.Publisher("/cmd_vel", Twist, queue_size=10)
         for recorder in (cls.clock, cls.odometry, cls.scan):

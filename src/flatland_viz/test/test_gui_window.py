@@ -71,7 +71,7 @@ def test_single_steps_and_several(paused):
 
 
 def test_the_timeline_goes_back_and_the_run_goes_on_from_there(window):
-    window.ros.call("/reset", keep_time=False, new_seed=False, seed=0)
+    window.ros.call("/reset", restart_time=True, new_seed=False, seed=0)
     window.waiting(lambda: window.ros.state()["stamp"] > 3.0, "three seconds")
     left, _, right, bottom = window.screen.inside(window.id)
     row = bottom - window.screen.px(27 + 14)  # above the status line

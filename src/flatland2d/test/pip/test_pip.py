@@ -99,6 +99,7 @@ def test_the_wheel_has_the_packages_worlds_and_definitions_and_nothing_else(whee
         "flatland_gym",
         "flatland_navigation",
         "flatland_plugins",
+        "flatland_bridge",
         "flatland_server",
     }
     assert not [name for name in names if "__pycache__" in name or "/test/" in name]
