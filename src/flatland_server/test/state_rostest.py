@@ -132,7 +132,7 @@ class State(unittest.TestCase):
         said = {}
         for index in range(STEPS):
             simulation.drive(*command(index)).run()
-            for topic in ("/odometry/filtered", "/scan"):
+            for topic in ("/wheel_odom", "/scan"):
                 message = simulation.last(topic)
                 said[topic, message.header.stamp.to_nsec()] = content(message)
 
