@@ -24,7 +24,7 @@ class NavigationSettings:
         robot: the model that is driven; by default the only one with a drive and a lidar.
         lidar: the name of its lidar, if it has several.
         beams: number of beams, evenly over the angle of its lidar; None leaves them as they are.
-        neighbors: how many of the nearest other models are in an observation, with their velocities.
+        neighbors: number of the nearest other models that are observed, with velocities.
         step_size: of the physics [s].
         frame_skip: physics steps in a step of the environment.
         flatten: whether observations are one array, or a dict of ranges, goal and velocity.
