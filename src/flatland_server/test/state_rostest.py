@@ -314,7 +314,7 @@ class State(unittest.TestCase):
         topics = Recorder("/flatland_server/debug/topics", DebugTopicList)
         self.addCleanup(topics.close)
         own = rospy.get_param("/flatland_server/world_path")
-        self.addCleanup(call, "/open_world", OpenWorld, own)
+        self.addCleanup(self.return_to, own)
         step(5)
 
         answer = call("/open_world", OpenWorld, "/nowhere/world.yaml")
@@ -332,6 +332,12 @@ class State(unittest.TestCase):
             lambda: topics.messages and "model/turtlebot" in topics.messages[-1].topics, "its robot"
         )
         self.assertTrue(rospy.get_param("/flatland_server/world_path").endswith("room/world.yaml"))
+
+    def return_to(self, own):
+        """Opens the world of the other tests, whose /wheel_odom the other one does not have."""
+        call("/open_world", OpenWorld, own)
+        seen = len(self.odometry.messages)
+        wait_until(lambda: step(10) and len(self.odometry.messages) > seen, "/wheel_odom")
 
 
 if __name__ == "__main__":
