@@ -55,19 +55,12 @@ def connect(url, **options):
     return websockets_client.connect(url, **options).__enter__()
 
 
-class Client:
-    """A client of rosbridge, made of a WebSocket and JSON alone."""
+class Receiver:
+    """Keeps messages that came before a wanted one. Subclasses have `receive`."""
 
-    def __init__(self, server, **options):
-        self.socket = connect(server.clients.url(ROSBRIDGE, "ws"), **options)
+    def __init__(self, socket):
+        self.socket = socket
         self.kept = []
-
-    def send(self, op, **fields):
-        self.socket.send(json.dumps({"op": op, **fields}))
-
-    def receive(self, timeout=20):
-        data = self.socket.recv(timeout=timeout)
-        return json.loads(data) if isinstance(data, str) else cbor2.loads(data)
 
     def receive_until(self, is_wanted):
         """The first message of a kind; those before it can still be received."""
@@ -81,6 +74,20 @@ class Client:
                 return message
             self.kept.append(message)
         raise AssertionError("the message did not come")
+
+
+class Client(Receiver):
+    """A client of rosbridge, made of a WebSocket and JSON alone."""
+
+    def __init__(self, server, **options):
+        super().__init__(connect(server.clients.url(ROSBRIDGE, "ws"), **options))
+
+    def send(self, op, **fields):
+        self.socket.send(json.dumps({"op": op, **fields}))
+
+    def receive(self, timeout=20):
+        data = self.socket.recv(timeout=timeout)
+        return json.loads(data) if isinstance(data, str) else cbor2.loads(data)
 
     def call(self, name, /, **args):
         self.send("call_service", id="call", service=name, args=args)

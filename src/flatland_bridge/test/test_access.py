@@ -159,7 +159,7 @@ def test_a_run_is_the_same_with_slow_stalled_and_dying_clients(world):
 
 
 def test_a_stalled_client_costs_bounded_memory(world):
-    """What waits for it does not grow once the buffers and queues are full."""
+    """Its queues do not grow once the buffers are full."""
     with running(world, is_paused=True) as server:
         stalled = socket.create_connection(("127.0.0.1", server.clients.ports[ROSBRIDGE]))
         key = "dGhlIHNhbXBsZSBub25jZQ=="

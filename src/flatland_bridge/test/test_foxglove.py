@@ -5,7 +5,7 @@ import struct
 from io import BytesIO
 
 import pytest
-from bridge_clients import MOST_OTHERS, foxglove
+from bridge_clients import Receiver, foxglove
 
 from flatland_server import messages
 from flatland_server.messages import service_types
@@ -13,18 +13,21 @@ from flatland_server.messages import service_types
 SUBPROTOCOLS = ("foxglove.websocket.v1", "foxglove.sdk.v1")
 
 
-class Viewer:
+class Viewer(Receiver):
     """A client that knows channels and services by their names."""
 
     def __init__(self, server, subprotocol=SUBPROTOCOLS[0]):
-        self.socket = foxglove(server, subprotocol)
-        self.channels, self.services, self.kept, self.info = {}, {}, [], self.receive()
+        super().__init__(foxglove(server, subprotocol))
+        self.channels, self.services = {}, {}
+        self.info = self.receive()
         while not (self.channels and self.services):
-            self.note(self.receive())
+            self.receive()
 
     def receive(self):
         data = self.socket.recv(timeout=20)
-        return data if isinstance(data, bytes) else json.loads(data)
+        message = data if isinstance(data, bytes) else json.loads(data)
+        self.note(message)
+        return message
 
     def note(self, message):
         if not isinstance(message, bytes):
@@ -39,20 +42,6 @@ class Viewer:
     def subscribe(self, topic, number):
         asked = [{"id": number, "channelId": self.channels[topic]["id"]}]
         self.send(op="subscribe", subscriptions=asked)
-
-    def receive_until(self, is_wanted):
-        """The first message of a kind; those before it can still be received."""
-        for message in self.kept:
-            if is_wanted(message):
-                self.kept.remove(message)
-                return message
-        for _ in range(MOST_OTHERS):
-            message = self.receive()
-            self.note(message)
-            if is_wanted(message):
-                return message
-            self.kept.append(message)
-        raise AssertionError("the message did not come")
 
     def receive_binary(self, code):
         """The next binary message of a kind, without its code."""

@@ -9,7 +9,6 @@ with Recorder(transport, timekeeper, "run.bag", topics=["/scan", "/odom"]) as re
 import os
 import re
 import struct
-from io import BytesIO
 from typing import (
     TYPE_CHECKING,
     Any,
@@ -33,6 +32,7 @@ from flatland_server.config.ros_names import is_topic
 from flatland_server.exceptions import MessageError, RecordingError, shortened
 from flatland_server.geometry import Pose, Transform
 from flatland_server.messages.message_types import get
+from flatland_server.messages.wire_form import serialized
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.serialized_transforms import TransformQueue
@@ -208,7 +208,7 @@ class Recorder(Tap):
         if not hasattr(kind, "_md5sum"):
             found = shortened(repr(each.content))
             raise MessageError(f'expected a message on the topic "{each.topic}", found {found}')
-        data = self._numbered(each.topic, kind, _serialized(each.content))
+        data = self._numbered(each.topic, kind, serialized(each.content))
         self._write_data(each.topic, kind, each.nanoseconds, data, each.is_latched)
 
     def _write_data(
@@ -251,12 +251,6 @@ def _ros2_messages() -> "Ros2Messages":
     from flatland2d.ros2_messages import Ros2Messages  # a third of a second of imports
 
     return Ros2Messages()
-
-
-def _serialized(message: Any) -> bytes:
-    buffer = BytesIO()
-    message.serialize(buffer)
-    return buffer.getvalue()
 
 
 def _compiled(topics: Iterable[str]) -> List[Pattern[str]]:

@@ -12,7 +12,6 @@ import struct
 import sys
 import tempfile
 import time
-from io import BytesIO
 from pathlib import Path
 from typing import Any, List, NamedTuple
 
@@ -24,6 +23,7 @@ from sensor_msgs.msg import LaserScan
 from tf2_msgs.msg import TFMessage
 
 from flatland_benchmark.server_process import ServerProcess, executable
+from flatland_server.messages.wire_form import serialized
 
 _STEPS_PER_SCAN = 20
 _BEAMS = 1081
@@ -72,9 +72,7 @@ def _send(topics: List[_Topic], publishers: List[Any], steps: int) -> None:
     folder = Path(tempfile.mkdtemp(dir=os.environ.get("ROS_HOME")))  # which the benchmark removes
     lines = []
     for i, ((_, every, message), publisher) in enumerate(zip(topics, publishers)):
-        buffer = BytesIO()
-        message.serialize(buffer)
-        data = buffer.getvalue()
+        data = serialized(message)
         file = folder / str(i)
         file.write_bytes(struct.pack("<I", len(data)) + data)
         for connection in publisher.impl.connections:

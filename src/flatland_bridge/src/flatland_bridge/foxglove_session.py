@@ -9,7 +9,6 @@ import itertools
 import struct
 import uuid
 from concurrent.futures import Executor
-from io import BytesIO
 from typing import Any, Callable, Dict, List, Mapping, Set, Tuple
 
 import orjson
@@ -20,6 +19,8 @@ from flatland_bridge.plain_form import from_plain, to_plain
 from flatland_server.config.ros_names import is_topic
 from flatland_server.exceptions import FlatlandError, MessageError, shortened
 from flatland_server.messages.message_types import get
+from flatland_server.messages.wire_form import serialized
+from flatland_server.transport.local_transport import absolute_name
 
 SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
 """Equal in all that is used here."""
@@ -181,7 +182,7 @@ class FoxgloveSession:
             if len(self._client_channels) >= _MOST_TOPICS:
                 raise BridgeError(f"a client may advertise {_MOST_TOPICS} topics")
             kind = get(str(each["schemaName"]).replace("/msg/", "/"))
-            topic = topic if topic.startswith("/") else f"/{topic}"
+            topic = absolute_name(topic)
             self._client_channels[each["id"]] = topic, kind, encoding
             self._graph.advertise(topic, kind)
 
@@ -228,9 +229,7 @@ class FoxgloveSession:
         response = self._graph.call(name, _message(kind.request, encoding, data))
         if encoding == _JSON:
             return bytes(orjson.dumps(to_plain(response), option=orjson.OPT_SERIALIZE_NUMPY))
-        buffer = BytesIO()
-        response.serialize(buffer)
-        return buffer.getvalue()
+        return serialized(response)
 
     def _fail(self, number: int, call: int, text: str) -> None:
         failure = {"op": "serviceCallFailure", "serviceId": number, "callId": call}
@@ -241,7 +240,7 @@ class FoxgloveSession:
 
 
 def _encoder(key: int) -> Callable[[Sample], List[Data]]:
-    """What makes the messages of a subscription."""
+    """Makes the messages of a subscription."""
     return lambda sample: [
         struct.pack("<BIQ", _MESSAGE_DATA, key, sample.nanoseconds) + sample.data
     ]

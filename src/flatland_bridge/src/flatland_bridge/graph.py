@@ -2,15 +2,27 @@
 
 from abc import ABC, abstractmethod
 from functools import cached_property
-from io import BytesIO
 from typing import Any, Callable, Dict, NamedTuple, Optional
 
 from flatland_server.exceptions import FlatlandError, suggestion
 from flatland_server.messages.service_types import ServiceType
+from flatland_server.messages.wire_form import serialized
 
 
 class BridgeError(FlatlandError):
     """A client asks for a topic or service that does not exist, or for too much."""
+
+
+def require_type(topic: str, expected: Optional[str], message: Any) -> None:
+    """Raises a BridgeError if a topic has another type than a message.
+
+    Args:
+        topic: its absolute name.
+        expected: the topic's type; None if it is not known.
+        message: to be published.
+    """
+    if expected not in (None, message._type):
+        raise BridgeError(f'the topic "{topic}" expects {expected}, found {message._type}')
 
 
 class Sample:
@@ -38,7 +50,7 @@ class Sample:
         self._message = message
         self._data = data
         self.encodings: Dict[str, bytes] = {}
-        """What protocols make of it, by their names."""
+        """The bytes that protocols send, by the names of their encodings."""
 
     @cached_property
     def message(self) -> Any:
@@ -51,12 +63,7 @@ class Sample:
     @cached_property
     def data(self) -> bytes:
         """The serialized message."""
-        if self._data is not None:
-            return self._data
-        buffer = BytesIO()
-        assert self._message is not None
-        self._message.serialize(buffer)
-        return buffer.getvalue()
+        return serialized(self._message) if self._data is None else self._data
 
 
 Receive = Callable[[Sample], None]

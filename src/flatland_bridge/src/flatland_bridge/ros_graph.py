@@ -8,7 +8,7 @@ import rosgraph
 import rospy
 import rosservice
 
-from flatland_bridge.graph import BridgeError, Graph, Receive, Sample, Topics
+from flatland_bridge.graph import BridgeError, Graph, Receive, Sample, Topics, require_type
 from flatland_server.exceptions import MessageError
 from flatland_server.messages import service_types
 from flatland_server.messages.message_types import get
@@ -83,9 +83,7 @@ class RosGraph(Graph):
                 self._publishers[topic] = rospy.Publisher(topic, message_type, queue_size=10)
 
     def publish(self, topic: str, message: Any) -> None:
-        expected, found = self._topics.types.get(topic), message._type
-        if expected not in (None, found):
-            raise BridgeError(f'the topic "{topic}" expects {expected}, found {found}')
+        require_type(topic, self._topics.types.get(topic), message)
         self.advertise(topic, type(message))
         self._publishers[topic].publish(message)
 

@@ -30,7 +30,7 @@ def encoded(message: Message, compression: str, fragment_size: Optional[int]) ->
 
 
 def decoded(data: Data) -> Any:
-    """What a client has sent.
+    """A message of a client.
 
     Args:
         data: JSON text, or CBOR bytes.

@@ -16,6 +16,7 @@ from flatland_bridge.rosbridge_form import COMPRESSIONS, Message, decoded, encod
 from flatland_server.config.ros_names import is_topic
 from flatland_server.exceptions import FlatlandError, MessageError, shortened, suggestion
 from flatland_server.messages.message_types import get
+from flatland_server.transport.local_transport import absolute_name
 
 _LEVELS = ("none", "error", "warning", "info")
 _MOST_TOPICS = 500
@@ -33,7 +34,7 @@ class Providers:
 
     def __init__(self) -> None:
         self.sessions: Dict[str, RosbridgeSession] = {}
-        """Which client offers a service, by its name."""
+        """The client that offers a service, by the service's name."""
         self.calls: Dict[str, Tuple[RosbridgeSession, Message]] = {}
         """Callers that wait, and what they have called, by the id of the call."""
         self.numbers = itertools.count(1)
@@ -291,7 +292,7 @@ def _name(message: Message, key: str) -> str:
     name = message.get(key)
     if not isinstance(name, str) or not is_topic(name):
         raise BridgeError(f"expected a name as {key}, found {shortened(repr(name))}")
-    return name if name.startswith("/") else f"/{name}"
+    return absolute_name(name)
 
 
 def _topic(message: Message) -> str:

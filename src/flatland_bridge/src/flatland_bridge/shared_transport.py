@@ -4,25 +4,21 @@ import logging
 import threading
 import time
 from collections import deque
-from concurrent.futures import Future, wait
-from typing import Any, Callable, Deque, Dict, Mapping, TypeVar
+from typing import Any, Callable, Deque, Dict, Mapping
 
 from flatland_bridge.graph import BridgeError
 from flatland_server.transport.local_transport import LocalTransport
+from flatland_server.transport.thread_calls import ThreadCalls
 from flatland_server.transport.topic_registry import ANY_TYPE, type_name
 from flatland_server.transport.transport import Publisher, Subscription
 
 logger = logging.getLogger(__name__)
 
-T = TypeVar("T")
-
 _MOST_WAITING = 1000
 """Messages and calls that wait for the next step; further ones are refused."""
 
-_END_CHECK_PERIOD = 0.1  # s
 
-
-class SharedTransport(LocalTransport):
+class SharedTransport(ThreadCalls, LocalTransport):
     """Runs what other threads ask for on the simulation's thread, between steps.
 
     Args:
@@ -67,39 +63,8 @@ class SharedTransport(LocalTransport):
         self._waiting.append(action)
         self._arrival.set()
 
-    def call(self, function: Callable[[], T]) -> T:
-        """Runs a function on the simulation's thread, between steps, and returns its result.
-
-        Args:
-            function: raises what this raises.
-
-        Raises:
-            BridgeError: too many calls wait, or the simulation ends.
-        """
-        future: Future[T] = Future()
-
-        def run() -> None:
-            try:
-                future.set_result(function())
-            except BaseException as error:
-                future.set_exception(error)
-
-        self.post(run)
-        return self.wait(future)
-
-    def wait(self, future: "Future[T]") -> T:
-        """Waits for a result of the simulation's thread.
-
-        Args:
-            future: raises what this raises.
-
-        Raises:
-            BridgeError: the simulation ends.
-        """
-        while not wait([future], _END_CHECK_PERIOD).done:
-            if self.is_ending:
-                raise BridgeError("the simulation has ended")
-        return future.result()
+    def end_error(self) -> Exception:
+        return BridgeError("the simulation has ended")
 
     def process(self, timeout: float = 0.0) -> None:
         self._run_waiting()

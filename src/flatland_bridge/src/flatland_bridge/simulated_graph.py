@@ -5,22 +5,21 @@ from concurrent.futures import Future
 from pathlib import Path
 from typing import Any, Callable, Dict, FrozenSet, List, Optional, TypeVar
 
-from flatland_bridge.graph import BridgeError, Graph, Receive, Sample, Topics
+from flatland_bridge.graph import BridgeError, Graph, Receive, Sample, Topics, require_type
 from flatland_bridge.shared_transport import SharedTransport
 from flatland_server.config.shipped_worlds import shipped_worlds
-from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Transform
 from flatland_server.messages import ros_time
 from flatland_server.messages.message_types import get
 from flatland_server.messages.service_types import ServiceType
 from flatland_server.messages.service_types import get as get_service
 from flatland_server.real_time_timer import RealTimeTimer
-from flatland_server.serving.client_files import ClientFiles, told
+from flatland_server.serving.client_files import ClientFiles
 from flatland_server.serving.map_to_odom import FRAME_ID, MapToOdom
 from flatland_server.serving.model_marker_publisher import ModelMarkerPublisher
 from flatland_server.serving.model_publisher import ModelPublisher
 from flatland_server.serving.model_services import ModelServices
-from flatland_server.serving.service_host import Action, ServiceHost
+from flatland_server.serving.service_host import Action, ServiceHost, answer
 from flatland_server.serving.state_publisher import StatePublisher
 from flatland_server.serving.state_services import StateServices
 from flatland_server.serving.wall_visualization import WallVisualization
@@ -35,7 +34,7 @@ TFMessage = get("tf2_msgs/TFMessage")
 
 _OWN_TOPICS = {"/clock": Clock._type, "/tf": TFMessage._type}
 _VIEW_RATE = 30.0
-"""How often models and their states are published [Hz of real time]."""
+"""Rate at which models and their states are published [Hz of real time]."""
 _TOPICS_PERIOD = 0.2
 """Real time between two looks for new topics [s]."""
 _CONTROL_PERIOD = 0.1
@@ -116,24 +115,16 @@ class SimulatedGraph(Graph, Tap):
         return end
 
     def publish(self, topic: str, message: Any) -> None:
-        expected, found = self._transport.types.get(topic), message._type
-        if expected not in (None, found):
-            raise BridgeError(f'the topic "{topic}" expects {expected}, found {found}')
+        require_type(topic, self._transport.types.get(topic), message)
         if topic in self._topics.published:
             raise BridgeError(f'the topic "{topic}" is published by the simulation')
         self._transport.post(lambda: self._transport.send(topic, message))
 
     def call(self, service: str, request: Any) -> Any:
-        kind = self.service_type(service)
-        has_success = "success" in kind.response.__slots__
-        try:
-            fields = self._host.actions[service](request) or {}
-        except (FlatlandError, ValueError) as error:
-            if not has_success:
-                raise BridgeError(told(error)) from None
-            return kind.response(success=False, message=told(error))
-        self._transport.call(self._follow_topics)  # so that the client finds new ones at once
-        return kind.response(**({"success": True} if has_success else {}), **fields)
+        response = answer(self.service_type(service), self._host.actions[service], request)
+        if getattr(response, "success", True):
+            self._transport.call(self._follow_topics)  # so that the client finds new ones at once
+        return response
 
     # Tap: on the simulation's thread
 

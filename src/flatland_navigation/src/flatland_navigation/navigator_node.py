@@ -27,7 +27,8 @@ from flatland_navigation.messages import to_pose
 from flatland_navigation.navigator import Navigator, Status
 from flatland_navigation.parameters import NodeParameters
 from flatland_navigation.robot_sensors import Localization, ScanReader
-from flatland_server import FlatlandError, FloatArray, Pose, fill_pose
+from flatland_navigation.running import run_node
+from flatland_server import FloatArray, Pose, fill_pose
 
 _MOST_POSES = 200
 _ACTION = "move_base"
@@ -227,16 +228,7 @@ def _start_server() -> actionlib.SimpleActionServer:
 
 def main() -> int:
     """Runs the node until it is shut down. Returns its exit code."""
-    rospy.init_node("move_base")
-    try:
-        node = NavigatorNode(NodeParameters.read())
-    except FlatlandError as error:
-        for line in str(error).splitlines():
-            rospy.logfatal("%s", line)
-        return 1
-    rospy.spin()
-    del node
-    return 0
+    return run_node("move_base", lambda: NavigatorNode(NodeParameters.read()))
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ SUCCEEDED = "goal"
 
 @dataclass
 class GoalScore:
-    """What is measured on the way to one goal.
+    """Measurements on the way to one goal.
 
     Attributes:
         goal: number of the goal, from 1.
@@ -30,8 +30,11 @@ class GoalScore:
     shortest_path: Optional[float]
     contacts: int = 0
     min_clearance: float = math.inf
-    _times: List[float] = field(default_factory=list)
-    _poses: List[Pose] = field(default_factory=list)
+    _begin: float = 0.0
+    _end: float = 0.0
+    _pose: Optional[Pose] = None
+    _length: float = 0.0
+    _turned: float = 0.0
     _errors: List[float] = field(default_factory=list)
     _touched: Set[Tuple[str, str]] = field(default_factory=set)
     _command: Optional[Tuple[float, float]] = None
@@ -40,8 +43,12 @@ class GoalScore:
 
     def add_pose(self, time: float, pose: Pose, clearance: float) -> None:
         """Takes the true pose of a time [s], and the robot's distance to walls [m]."""
-        self._times.append(time)
-        self._poses.append(pose)
+        if self._pose is None:
+            self._begin = time
+        else:
+            self._length += math.dist(self._pose[:2], pose[:2])
+            self._turned += abs(wrap_angle(pose.yaw - self._pose.yaw))
+        self._end, self._pose = time, pose
         self.min_clearance = min(self.min_clearance, clearance)
 
     def add_command(self, speed: float, turn: float) -> None:
@@ -67,30 +74,38 @@ class GoalScore:
             outcome: "goal" if the goal was reached, another word otherwise.
         """
         success = outcome == SUCCEEDED and self.contacts == 0
-        length = sum(math.dist(a[:2], b[:2]) for a, b in zip(self._poses, self._poses[1:]))
-        turns = (abs(wrap_angle(b.yaw - a.yaw)) for a, b in zip(self._poses, self._poses[1:]))
         shortest, errors = self.shortest_path, self._errors
         return {
             "goal": self.goal,
             "outcome": outcome,
             "success": success,
-            "time": self._times[-1] - self._times[0] if self._times else 0.0,
-            "path_length": length,
+            "time": self._end - self._begin,
+            "path_length": self._length,
             "shortest_path": shortest,
-            "spl": None if shortest is None else _spl(success, shortest, length),
-            "min_clearance": self.min_clearance if self._poses else None,
+            "spl": None if shortest is None else spl(success, shortest, self._length),
+            "min_clearance": None if self._pose is None else self.min_clearance,
             "contacts": self.contacts,
             "localization_error": sum(errors) / len(errors) if errors else None,
             "max_localization_error": max(errors) if errors else None,
-            "heading_change": sum(turns),
+            "heading_change": self._turned,
             "speed_change": self._speed_change,
             "turn_change": self._turn_change,
         }
 
 
-def _spl(success: bool, shortest: float, length: float) -> float:
-    """Success weighted by path length (Anderson et al., 2018), as in sweeps."""
-    return shortest / max(length, shortest) if success and shortest > 0.0 else float(success)
+def spl(success: bool, shortest: float, length: float) -> float:
+    """Success weighted by path length: shortest / max(length, shortest) with success, else 0.
+
+    P. Anderson et al., "On Evaluation of Embodied Navigation Agents" (2018).
+
+    Args:
+        success: of the run.
+        shortest: length of the shortest path [m].
+        length: of the path driven [m].
+    """
+    if not success:
+        return 0.0
+    return shortest / max(length, shortest) if shortest > 0.0 else 1.0
 
 
 def table(rows: List[Dict[str, Value]]) -> str:

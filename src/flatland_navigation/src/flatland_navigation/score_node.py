@@ -23,8 +23,9 @@ from flatland_navigation.messages import to_pose, transform_to_pose
 from flatland_navigation.parameters import NodeParameters
 from flatland_navigation.planner import PlanningError, plan
 from flatland_navigation.robot_sensors import Transforms
+from flatland_navigation.running import run_node
 from flatland_navigation.score import SUCCEEDED, GoalScore, Value, table
-from flatland_server import FlatlandError, Pose, ros_time
+from flatland_server import Pose, ros_time
 
 _TF_DELAY = 0.5
 """Simulated time after which the estimate of a pose is looked up [s]."""
@@ -166,17 +167,12 @@ class ScoreNode:
 
 def main() -> int:
     """Runs the node until it is shut down. Returns its exit code."""
-    rospy.init_node("score")
-    try:
-        file = str(rospy.get_param("~file", ""))
-        node = ScoreNode(NodeParameters.read(), Path(file).expanduser() if file else None)
-    except FlatlandError as error:
-        for line in str(error).splitlines():
-            rospy.logfatal("%s", line)
-        return 1
-    rospy.spin()
-    del node
-    return 0
+    return run_node("score", _start)
+
+
+def _start() -> ScoreNode:
+    file = str(rospy.get_param("~file", ""))
+    return ScoreNode(NodeParameters.read(), Path(file).expanduser() if file else None)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from typing import Any, Container, Dict, List, Optional, Tuple
 
 from flatland_server import LocalTransport, Pose, World, messages
 from flatland_server.testing import Harness, WorldFiles
-from flatland_server.testing.observation import serialized
+from flatland_server.testing.observation import content_of
 
 Bool = messages.get("std_msgs/Bool")
 
@@ -118,7 +118,7 @@ class Recorder(LocalTransport):
         publish = publisher.publish
 
         def record_and_publish(message: Any) -> None:
-            self.record(topic, serialized(message))
+            self.record(topic, content_of(message))
             publish(message)
 
         publisher.publish = record_and_publish

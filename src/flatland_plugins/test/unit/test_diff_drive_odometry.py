@@ -5,7 +5,7 @@ import pytest
 from readings import FILTERED, GROUND_TRUTH, assert_white, pose_of, twist_of
 
 from flatland_server import LocalTransport, MessageWriter, Publisher
-from flatland_server.testing.observation import serialized
+from flatland_server.messages.wire_form import serialized
 
 DRIVE = "type: DiffDrive, name: drive, body: base"
 

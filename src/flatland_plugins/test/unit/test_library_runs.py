@@ -4,7 +4,7 @@ import hashlib
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from busy_town import Town, serialized
+from busy_town import Town, content_of
 
 from flatland2d import Simulation
 from flatland_server.simulation.simulation_manager import SimulationManager
@@ -26,7 +26,7 @@ class Digest(Tap):
 
     def receive(self, topic, message, is_latched):
         if not topic.endswith(("cmd_vel", "tween_trigger")):  # what is sent to the world
-            self.add(topic, serialized(message))
+            self.add(topic, content_of(message))
 
     def receive_transform(self, transform):
         self.add(transform)

@@ -6,7 +6,7 @@ import pytest
 from flatland_plugins.odometry_writer import OdometryWriter, TwistWriter
 from flatland_plugins.scan_writer import ScanWriter
 from flatland_server.geometry import Pose
-from flatland_server.testing.observation import serialized
+from flatland_server.messages.wire_form import serialized
 
 FIELDS = {
     "angle_min": -1.5,

@@ -50,7 +50,7 @@ def run_drives(folder: Path) -> List[str]:
     files.write("robot.yaml", f"bodies: [{{name: base, footprints: []}}]\nplugins:{OTHERS}")
     omni = files.load(WORLD).drive(1.0, 0.5, left=0.5, topic="/slide").run(1.0)
     messages = (lift.last("/odometry/filtered"), lift.last("/twist"), omni.last("/slid"))
-    return [busy_town.serialized(message).hex() for message in messages if message is not None]
+    return [busy_town.content_of(message).hex() for message in messages if message is not None]
 
 
 def test_every_plugin_takes_part():

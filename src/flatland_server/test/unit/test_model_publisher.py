@@ -48,7 +48,7 @@ class Published(Tap):
 
 @pytest.fixture
 def published(files):
-    """What is published, the simulation, and the publisher of its models."""
+    """The published messages, the simulation, and the publisher of its models."""
     files.write("cart.yaml", CART)
     simulation = WorldSimulation(files, WORLD)
     tap = Published()

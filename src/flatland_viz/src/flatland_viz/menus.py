@@ -44,7 +44,7 @@ class Menus(QObject):
     step_asked = Signal()
     steps_asked = Signal()
     seek_asked = Signal(float)
-    """How far to go on in the history, or back if it is negative [s]."""
+    """Step within the history [s]; negative ones go back."""
     keys_asked = Signal()
     model_chosen = Signal(str)
     other_model_asked = Signal()

@@ -46,21 +46,6 @@ SUMMARISED: Dict[str, Metric] = {
 """The metrics that are summarised, by the names of their columns."""
 
 
-def spl(success: bool, shortest: float, length: float) -> float:
-    """Success weighted by path length: shortest / max(length, shortest) with success, else 0.
-
-    P. Anderson et al., "On Evaluation of Embodied Navigation Agents" (2018).
-
-    Args:
-        success: of the run.
-        shortest: length of the shortest path [m].
-        length: of the path driven [m].
-    """
-    if not success:
-        return 0.0
-    return shortest / max(length, shortest) if shortest > 0.0 else 1.0
-
-
 def barn_score(success: bool, shortest: float, time: float, top_speed: float) -> float:
     """T / clip(time, 2 T, 8 T) with success, else 0; T is the time of the path at top speed.
 

@@ -7,9 +7,10 @@ import numpy as np
 
 from flatland2d.handles import ModelHandle
 from flatland2d.simulation import Simulation
-from flatland2d.sweep.metrics import barn_score, motion_metrics, spl
+from flatland2d.sweep.metrics import barn_score, motion_metrics
 from flatland2d.sweep.people import PeopleMetrics
 from flatland2d.sweep.settings import SweepSettings, Task
+from flatland_navigation.score import spl
 from flatland_server import _core
 from flatland_server.arguments import steps_in
 from flatland_server.exceptions import UsageError

@@ -2,10 +2,7 @@
 
 from flatland2d.simulation import Simulation
 from flatland_server.exceptions import StateError
-from flatland_server.simulation.history import History
-
-_SHARE = 0.05
-"""The largest part of the real time that is spent on keeping states."""
+from flatland_server.simulation.history import SHARE_OF_VIEWERS, History
 
 
 class Timeline:
@@ -22,7 +19,7 @@ class Timeline:
         """The reason why there is no history; empty if there is one."""
         if keeps and simulation.history is None:
             try:
-                History(simulation, share=_SHARE)
+                History(simulation, share=SHARE_OF_VIEWERS)
             except StateError as error:
                 self.problem = str(error)
 

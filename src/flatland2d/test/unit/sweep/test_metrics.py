@@ -5,9 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from flatland2d.sweep.metrics import barn_score, motion_metrics, spl
+from flatland2d.sweep.metrics import barn_score, motion_metrics
 from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.settings import scenarios_of
+from flatland_navigation.score import spl
 from flatland_server.geometry import Pose
 
 

@@ -6,6 +6,7 @@ fixed. A time is two uint32, a duration two int32. See https://wiki.ros.org/ROS/
 
 import struct
 from abc import ABC, abstractmethod
+from io import BytesIO
 from typing import Any, List, Optional, Sequence, Tuple
 
 from flatland_server.exceptions import MessageError
@@ -82,6 +83,13 @@ class WireForm:
     def problem(self, message: Any) -> str:
         """The problem of a message that could not be written."""
         return next(filter(None, (part.problem(message) for part in self._parts)), ": wrong value")
+
+
+def serialized(message: Any) -> bytes:
+    """A message of a class of ROS or of ours, as bytes."""
+    buffer = BytesIO()
+    message.serialize(buffer)
+    return buffer.getvalue()
 
 
 def with_owner(owner: str, problem: str) -> str:

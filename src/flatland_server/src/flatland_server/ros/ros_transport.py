@@ -9,8 +9,7 @@ import logging
 import threading
 import time
 from collections import Counter, deque
-from concurrent.futures import Future, wait
-from typing import Any, Callable, Deque, Mapping, Optional, Sequence, Tuple, TypeVar
+from typing import Any, Callable, Deque, Mapping, Optional, Sequence, Tuple
 from typing import Counter as CounterType
 
 import rospy
@@ -22,18 +21,15 @@ from flatland_server.transport.arrivals import Arrival
 from flatland_server.transport.message_writer import MessageWriter
 from flatland_server.transport.node import Frames, Publisher, Subscription, Transport
 from flatland_server.transport.serialized_transforms import SerializedFrames, TransformQueue
+from flatland_server.transport.thread_calls import ThreadCalls
 
 logger = logging.getLogger(__name__)
-
-T = TypeVar("T")
-
-_SHUTDOWN_CHECK_PERIOD = 0.1  # s
 
 REGISTRATION_LIMIT = 5.0
 """Real time that a service waits for the ROS master to register topics, before it answers [s]."""
 
 
-class RosTransport(Transport):
+class RosTransport(ThreadCalls, Transport):
     """A transport over rospy. The ROS node must be initialised.
 
     Args:
@@ -143,42 +139,12 @@ class RosTransport(Transport):
         """
         self.is_ending = True
 
-    def post(self, callback: Callable[[], None]) -> None:
-        """Queues a callback for the simulation's thread, between steps. For ROS's threads."""
-        self._waiting.append(callback)
+    def post(self, action: Callable[[], None]) -> None:
+        self._waiting.append(action)
         self._arrival.set()
 
-    def call(self, function: Callable[[], T]) -> T:
-        """Runs a function on the simulation's thread, between steps, and returns its result.
-
-        For ROS's threads; blocks until it is done.
-
-        Raises:
-            rospy.ServiceException: the simulation is shutting down.
-            Exception: whatever the function raises.
-        """
-        future: Future[T] = Future()
-
-        def run() -> None:
-            try:
-                future.set_result(function())
-            except BaseException as error:
-                future.set_exception(error)
-
-        self.post(run)
-        return self.wait(future)
-
-    def wait(self, future: "Future[T]") -> T:
-        """Waits for a result of the simulation's thread. For ROS's threads.
-
-        Raises:
-            rospy.ServiceException: the simulation is shutting down.
-            Exception: that of the future.
-        """
-        while not wait([future], _SHUTDOWN_CHECK_PERIOD).done:
-            if self.is_ending:
-                raise rospy.ServiceException("the simulation is shutting down")
-        return future.result()
+    def end_error(self) -> Exception:
+        return rospy.ServiceException("the simulation is shutting down")
 
     def flush(self) -> None:
         self.arrivals.next_step()

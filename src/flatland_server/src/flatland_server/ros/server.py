@@ -29,7 +29,7 @@ from flatland_server.serving.model_publisher import ModelPublisher
 from flatland_server.serving.model_services import ModelServices
 from flatland_server.serving.state_publisher import StatePublisher
 from flatland_server.serving.state_services import StateServices
-from flatland_server.simulation.history import History
+from flatland_server.simulation.history import SHARE_OF_VIEWERS, History
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.slow_plugin_watch import SlowPluginWatch
 from flatland_server.simulation.thread_priority import ThreadPriority
@@ -38,9 +38,6 @@ from flatland_server.timekeeper import Timekeeper
 
 _REGISTRATION_LIMIT = 10.0
 """Real time that the ROS master has to register the topics of the world [s]."""
-
-_HISTORY_SHARE = 0.05
-"""The largest part of the real time that is spent on keeping states."""
 
 Simulate = Callable[[SimulationManager, Callable[[], bool]], None]
 """Runs a simulation while the second argument returns true."""
@@ -140,7 +137,7 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
         manager.on_tick.append(handles.update)
     if config.history:
         try:
-            History(manager, share=_HISTORY_SHARE)
+            History(manager, share=SHARE_OF_VIEWERS)
         except StateError as error:
             rospy.logwarn("there is no history, so /seek will fail: %s", error)
     manager.on_tick.append(Diagnostics(manager).update)

@@ -6,12 +6,10 @@ from typing import Any, Callable, ContextManager, TypeVar
 import rosgraph
 import rospy
 
-from flatland_server.exceptions import FlatlandError
 from flatland_server.messages import service_types
 from flatland_server.ros.ros_transport import REGISTRATION_LIMIT, RosTransport
 from flatland_server.ros.rospy_patches.master_calls import NO_ANSWER, Master
-from flatland_server.serving.client_files import told
-from flatland_server.serving.service_host import Action, ServiceHost
+from flatland_server.serving.service_host import Action, ServiceError, ServiceHost, answer
 
 T = TypeVar("T")
 
@@ -34,18 +32,16 @@ class RosServiceHost(ServiceHost):
 
     def offer(self, name: str, type_name: str, action: Action) -> None:
         service = service_types.get(type_name)
-        slots = service.response.__slots__
 
         def handle(request: Any) -> Any:
             try:
-                fields = action(request) or {}
-            except (FlatlandError, ValueError) as error:
-                message = told(error)
-                rospy.logwarn("%s: %s", name, message)
-                if "success" not in slots:
-                    raise rospy.ServiceException(message) from None
-                return service.response(success=False, message=message)
-            return service.response(**({"success": True} if "success" in slots else {}), **fields)
+                response = answer(service, action, request)
+            except ServiceError as error:
+                rospy.logwarn("%s: %s", name, error)
+                raise rospy.ServiceException(str(error)) from None
+            if not getattr(response, "success", True):
+                rospy.logwarn("%s: %s", name, response.message)
+            return response
 
         rospy.Service(name, service.ros_class, handle)
 

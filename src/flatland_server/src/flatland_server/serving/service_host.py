@@ -5,10 +5,39 @@ from concurrent.futures import Future
 from contextlib import nullcontext
 from typing import Any, Callable, ContextManager, Dict, Optional, TypeVar
 
+from flatland_server.exceptions import FlatlandError
+from flatland_server.messages.service_types import ServiceType
+from flatland_server.serving.client_files import told
+
 T = TypeVar("T")
 
 Action = Callable[[Any], Optional[Dict[str, Any]]]
 """Called with a request, on any thread. Returns fields of the response; `success` is set for it."""
+
+
+class ServiceError(FlatlandError):
+    """A call has failed, and the service's response has no field to say so."""
+
+
+def answer(service: ServiceType, action: Action, request: Any) -> Any:
+    """The response to a request.
+
+    Args:
+        service: its type.
+        action: its errors are in the response, if that has `success` and `message`.
+        request: of the service's type.
+
+    Raises:
+        ServiceError: the action has failed, and the response cannot say so.
+    """
+    has_success = "success" in service.response.__slots__
+    try:
+        fields = action(request) or {}
+    except (FlatlandError, ValueError) as error:
+        if not has_success:
+            raise ServiceError(told(error)) from None
+        return service.response(success=False, message=told(error))
+    return service.response(**({"success": True} if has_success else {}), **fields)
 
 
 class ServiceHost(ABC):

@@ -19,6 +19,9 @@ from flatland_server.simulation.replay import Command, Input, Message, Replay
 if TYPE_CHECKING:
     from flatland_server.simulation.run import Run
 
+SHARE_OF_VIEWERS = 0.05
+"""The largest part of the real time that a server or viewer spends on keeping states."""
+
 _MOST_INPUTS = 100
 """As many inputs are packed at once."""
 _INPUT_SIZE = 300

@@ -2,7 +2,6 @@
 
 import gc
 from contextlib import ExitStack, contextmanager
-from io import BytesIO
 from typing import (
     Any,
     Callable,
@@ -22,6 +21,7 @@ from weakref import ref
 
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.geometry import Transform
+from flatland_server.messages.wire_form import serialized
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.timekeeper import Timekeeper
@@ -43,16 +43,12 @@ class Event(NamedTuple):
     @property
     def data(self) -> bytes:
         """The message's content, for comparison."""
-        return serialized(self.message)
+        return content_of(self.message)
 
 
-def serialized(message: Any) -> bytes:
+def content_of(message: Any) -> bytes:
     """A message as bytes; for an object that is no ROS message, its description."""
-    if not hasattr(message, "serialize"):
-        return repr(message).encode()
-    buffer = BytesIO()
-    message.serialize(buffer)
-    return buffer.getvalue()
+    return serialized(message) if hasattr(message, "serialize") else repr(message).encode()
 
 
 class ObservingTransport(LocalTransport):
@@ -158,7 +154,7 @@ def _is_same(data: bytes, message: Any) -> bool:
     received = type(message)().deserialize(data)
     if hasattr(received, "header"):
         received.header.seq = message.header.seq
-    return serialized(received) == serialized(message)
+    return content_of(received) == content_of(message)
 
 
 class ObservingLoader(PluginLoader):
