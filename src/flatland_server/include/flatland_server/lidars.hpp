@@ -45,6 +45,9 @@ class Lidars {
   /// For batches: writes a lidar's scan of the present world to an array of GetBeamCount values. It
   /// may take some milliseconds, to search for visible walls.
   void ScanInto(LidarHandle lidar, float* ranges, const AccessGuard& guard) const;
+  /// Tells the processor to fetch the walls that ScanInto draws, as soon as it is known about where
+  /// the lidar will be.
+  void Prefetch(LidarHandle lidar, const AccessGuard& guard) const;
   /// Scans from a pose in the world [m, m, rad]. Writes fan.size() values to each array: the
   /// distance [m] to what each beam meets first, or +infinity (REP 117), and its intensity, 0 or
   /// 255. Shapes that contain the lidar are not seen.

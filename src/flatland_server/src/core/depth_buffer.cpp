@@ -119,7 +119,7 @@ FLATLAND_CLONES void DrawTree(const SegmentTree& walls, const LidarView& view) {
 
 /// Draws the walls of a list, about front to back.
 FLATLAND_CLONES void DrawList(const WallList& list, const LidarView& view) {
-  const std::vector<WallList::Block>& blocks = list.blocks();
+  const WallList::Blocks& blocks = list.blocks();
   const size_t near = std::min(blocks.size(), kNearBlocks);
   for (size_t i = 0; i < near; ++i) DrawIndexed(blocks[i].indices, list.walls(), view);
   for (size_t i = near; i < blocks.size(); i += 2) {

@@ -84,6 +84,15 @@ void Lidars::ScanInto(LidarHandle handle, float* ranges, const AccessGuard&) con
            VisibleWalls::kWholeSearch);
 }
 
+void Lidars::Prefetch(LidarHandle handle, const AccessGuard&) const {
+  const Mounted<Lidar>& mounted = lidars_.Get(handle);
+  const Pose pose = PoseOf(mounted);
+  for (const Layers::Layer& layer : layers_.all()) {
+    const bool is_seen = (layer.bits & mounted.mechanism.settings.scan.layers) != 0;
+    if (is_seen) layer.walls->Prefetch({pose.x, pose.y});
+  }
+}
+
 void Lidars::Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
                   float* intensities, const AccessGuard&) const {
   Require(IsUsable(pose), "a lidar's pose must be finite");

@@ -6,21 +6,12 @@
 #include "box2d_copies.hpp"
 #include "box2d_internals.hpp"
 #include "box2d_limits.hpp"
+#include "prefetch.hpp"
 #include "shared_tree.hpp"
 #include "tree_order.hpp"
 #include "world_state.hpp"
 
 namespace flatland {
-namespace {
-
-template <class T>
-void PrefetchAll(const std::vector<T>& values) {
-  constexpr size_t kCacheLine = 64;
-  const auto* const bytes = reinterpret_cast<const std::byte*>(values.data());
-  for (size_t i = 0; i < values.size() * sizeof(T); i += kCacheLine) __builtin_prefetch(bytes + i);
-}
-
-}  // namespace
 
 SharedWorld::State::State() = default;
 SharedWorld::State& SharedWorld::State::operator=(const State&) = default;
@@ -110,9 +101,11 @@ std::unique_ptr<SharedWorld::State> SharedWorld::MakeState() {
 }
 
 void SharedWorld::Prefetch(const State& state) {
-  PrefetchAll(state.bytes_);
-  PrefetchAll(state.nodes_);
+  PrefetchElements(state.bytes_);
+  PrefetchElements(state.nodes_);
 }
+
+void SharedWorld::PrefetchUsed(const State& state) const { tree_->Prefetch(state.nodes_); }
 
 void SharedWorld::WriteRanges(const State& state) {
   const std::byte* from = state.bytes_.data();

@@ -1,6 +1,7 @@
 #include "flatland_server/world_batch.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <sstream>
@@ -74,20 +75,27 @@ template <class Visit>
 void WorldBatch::ForEach(const bool* mask, int width, Visit visit) {
   team_.Run([&](int i) noexcept {
     const int end = team_.Begin(i + 1, count());
+    const auto world_of = [this, i](int row) -> SharedWorld& {
+      return environments_[row].own ? *environments_[row].own : *worlds_[i];
+    };
     const auto first_from = [mask, width, end](int row) {
       while (row < end && !IsChosen(mask, width, row)) ++row;
       return row;
     };
-    int row = first_from(team_.Begin(i, count()));
-    int next = first_from(row + 1);
-    while (row < end) {
-      const int later = first_from(next + 1);
-      if (next < end) SharedWorld::Prefetch(*environments_[next].state);
-      if (later < end) SharedWorld::PrefetchPlaces(*environments_[later].state);
-      Environment& environment = environments_[row];
-      visit(environment.own ? *environment.own : *worlds_[i], environment, row);
-      row = next;
-      next = later;
+    // The present row, and the next ones, which are fetched from memory meanwhile.
+    std::array<int, 4> rows;
+    int row = team_.Begin(i, count());
+    for (int& each : rows) row = (each = first_from(row)) + 1;
+    while (rows[0] < end) {
+      const auto state = [&](int k) -> const SharedWorld::State& {
+        return *environments_[rows[k]].state;
+      };
+      if (rows[1] < end) world_of(rows[1]).PrefetchUsed(state(1));
+      if (rows[2] < end) SharedWorld::Prefetch(state(2));
+      if (rows[3] < end) SharedWorld::PrefetchPlaces(state(3));
+      visit(world_of(rows[0]), environments_[rows[0]], rows[0]);
+      std::move(rows.begin() + 1, rows.end(), rows.begin());
+      rows.back() = first_from(rows.back() + 1);
     }
   });
 }
@@ -119,6 +127,7 @@ void WorldBatch::Advance(const bool* mask, const double* actions, int substeps, 
     const int64_t first = int64_t{row} * robots;
     for (int i = 0; i < robots; ++i) {
       const bool is_driven = mask == nullptr || mask[first + i];
+      world.lidars().Prefetch(robots_[i].lidar, World::AccessGuard(world));
       Command(world, robots_[i], is_driven ? actions + (first + i) * action_size() : nullptr);
       if (!goes_on) collided_[first + i] = false;
     }
