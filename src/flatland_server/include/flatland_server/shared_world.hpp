@@ -86,6 +86,7 @@ class SharedWorld {
     mechanisms.ForEach([this](auto, Mounted<Mechanism>& each) { AddRange(each.mechanism); });
   }
   void CollectRanges();
+  void JoinBodies();
   void WriteRanges(const State& state);
   void ReadRanges(State& state) const;
   /// Makes `to`, which has no contacts, a copy with contacts of its own.

@@ -61,9 +61,6 @@ class VisibleWalls {
   /// threads may call it at a time.
   const WallList* SeenFrom(Vec2 point, int effort = kEffort) const;
 
-  /// Tells the processor to fetch what SeenFrom gives, if anything.
-  void Prefetch(Vec2 point) const;
-
   /// Of a part of a search, which takes about 40 us; and of a whole one.
   static constexpr int kEffort = 2000, kWholeSearch = INT_MAX;
 

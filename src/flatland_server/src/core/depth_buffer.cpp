@@ -206,7 +206,7 @@ FLATLAND_CLONES void Invert(const double* inverse, const double* other, int coun
     const Doubles one = Load(inverse + i), two = Load(other + i);
     const Doubles nearest = one > two ? one : two;
     const Doubles distances = nearest > min_inverse ? 1.0 / nearest : Fill(kInfinity);
-    for (int k = 0; k < kGroup; ++k) ranges[i + k] = static_cast<float>(distances[k]);
+    Store(ToFloats(distances), ranges + i);
   }
   for (; i < count; ++i) {
     const double nearest = std::max(inverse[i], other[i]);

@@ -16,7 +16,6 @@
 #endif
 // Functions called by those must be inlined, to be compiled for AVX2 too.
 #define FLATLAND_INLINE __attribute__((always_inline)) inline
-#define FLATLAND_INLINE_LAMBDA __attribute__((always_inline))
 
 namespace flatland {
 
@@ -25,6 +24,7 @@ constexpr int kGroup = BeamFan::kGroup;
 /// Vectors of numbers, and of the results of comparisons: -1 for true, 0 for false.
 using Doubles = double __attribute__((vector_size(kGroup * sizeof(double))));
 using Mask = long long __attribute__((vector_size(kGroup * sizeof(long long))));
+using Floats = float __attribute__((vector_size(kGroup * sizeof(float))));
 using Ints = int __attribute__((vector_size(kGroup * sizeof(int))));
 static_assert(kGroup == 4, "Fill lists four numbers");
 
@@ -57,6 +57,10 @@ FLATLAND_INLINE void Transpose(Doubles (&rows)[kGroup]) {
   rows[2] = FLATLAND_SHUFFLE(even_low, even_high, 2, 3, 6, 7);
   rows[3] = FLATLAND_SHUFFLE(odd_low, odd_high, 2, 3, 6, 7);
 #undef FLATLAND_SHUFFLE
+}
+
+FLATLAND_INLINE Floats ToFloats(const Doubles& values) {
+  return __builtin_convertvector(values, Floats);
 }
 
 /// Whole parts of numbers that an int can hold.

@@ -22,28 +22,29 @@ constexpr double kEdgeOn = 1e-14;
 
 constexpr int kLeafSize = SegmentTree::kLeafSize;
 
-/// Draws the wall from a to b, where b is counter-clockwise of a, onto a run of beams. Most walls
-/// cover one or two groups. Drawing two always is quicker than to guess wrong, as processors do,
-/// which it is.
+/// Draws the wall from a to b, where b is counter-clockwise of a, onto a group of beams.
+FLATLAND_INLINE void DrawOnGroup(const BeamFan& fan, double* inverse, int group, Vec2 a, Vec2 b,
+                                 double inverse_cross) {
+  const Doubles x = Load(fan.xs() + group);
+  const Doubles y = Load(fan.ys() + group);
+  const Doubles nearest = Load(inverse + group);
+  const Doubles past_a = Fill(a.x) * y - Fill(a.y) * x;
+  const Doubles before_b = x * Fill(b.y) - y * Fill(b.x);
+  const Doubles across = past_a + before_b;  // cross(u, b - a)
+  const Mask meets = Min(past_a, before_b) >= -kEndTolerance * across;
+  Store(Max(meets ? across * Fill(inverse_cross) : Fill(0.0), nearest), inverse + group);
+}
+
+/// Draws it onto a run of beams. Most walls cover one group or two: a processor, which has to guess
+/// how many, loses more by wrong guesses than by a group in vain.
 FLATLAND_INLINE void DrawOn(const BeamFan& fan, double* inverse, BeamFan::Run run, Vec2 a, Vec2 b,
                             double inverse_cross) {
-  const Doubles ax = Fill(a.x), ay = Fill(a.y), bx = Fill(b.x), by = Fill(b.y);
-  const Doubles scale = Fill(inverse_cross);
-  const double *const xs = fan.xs(), *const ys = fan.ys();
-  const auto draw = [&](int group) FLATLAND_INLINE_LAMBDA {
-    const Doubles x = Load(xs + group);
-    const Doubles y = Load(ys + group);
-    const Doubles nearest = Load(inverse + group);
-    const Doubles past_a = ax * y - ay * x;
-    const Doubles before_b = x * by - y * bx;
-    const Doubles across = past_a + before_b;  // cross(u, b - a)
-    const Mask meets = Min(past_a, before_b) >= -kEndTolerance * across;
-    Store(Max(meets ? across * scale : Fill(0.0), nearest), inverse + group);
-  };
   int group = run.begin & -kGroup;
-  draw(group);
-  draw(group + kGroup);
-  for (group += 2 * kGroup; group < run.end; group += kGroup) draw(group);
+  DrawOnGroup(fan, inverse, group, a, b, inverse_cross);
+  DrawOnGroup(fan, inverse, group + kGroup, a, b, inverse_cross);
+  for (group += 2 * kGroup; group < run.end; group += kGroup) {
+    DrawOnGroup(fan, inverse, group, a, b, inverse_cross);
+  }
 }
 
 /// Draws a wall on which the lidar stands: all beams end at once, except those along the wall.
@@ -134,9 +135,8 @@ FLATLAND_INLINE void DrawIndexed(const SegmentTree::Indices& indices, const Segm
                                  const LidarView& view) {
   WallsView walls;
   for (int lane = 0; lane < kLeafSize; lane += kGroup) {
-    const auto load = [&](int i)
-                          FLATLAND_INLINE_LAMBDA { return Load(&segments[indices[lane + i]].a.x); };
-    Doubles rows[4] = {load(0), load(1), load(2), load(3)};
+    Doubles rows[kGroup];
+    for (int k = 0; k < kGroup; ++k) rows[k] = Load(&segments[indices[lane + k]].a.x);
     Transpose(rows);
     ViewWalls({rows[0], rows[1], rows[2], rows[3]}, lane, view, &walls);
   }

@@ -6,7 +6,6 @@
 #include <unordered_map>
 
 #include "occluders.hpp"
-#include "prefetch.hpp"
 #include "wall_search.hpp"
 
 namespace flatland {
@@ -92,16 +91,6 @@ const WallList* VisibleWalls::SeenFrom(Vec2 point, int effort) const {
     if (const WallList* seen = SeenFrom(grid, point, effort)) return seen;
   }
   return nullptr;
-}
-
-void VisibleWalls::Prefetch(Vec2 point) const {
-  for (const Grid& grid : grids_) {
-    const int index = grid.CellAt(point);
-    if (index < 0) return;
-    if (const Found* const found = grid.cells[index].seen.load(std::memory_order_acquire)) {
-      return PrefetchElements(found->list.blocks());
-    }
-  }
 }
 
 const WallList* VisibleWalls::SeenFrom(const Grid& grid, Vec2 point, int effort) const {

@@ -8,6 +8,8 @@
 #include <stdexcept>
 
 #include "box2d_limits.hpp"
+#include "flatland_server/wall_list.hpp"
+#include "prefetch.hpp"
 #include "world_state.hpp"
 
 namespace flatland {
@@ -53,6 +55,7 @@ WorldBatch::WorldBatch(const World& world, const std::vector<BatchRobot>& robots
   }
   environments_.resize(count);
   collided_.resize(static_cast<size_t>(row_count()));
+  drawn_.resize(collided_.size());
   for (int i = 0; i < team_.size(); ++i) {
     for (int row = team_.Begin(i, count); row < team_.Begin(i + 1, count); ++row) {
       environments_[row].state = worlds_[i]->MakeState();
@@ -87,17 +90,27 @@ void WorldBatch::ForEach(const bool* mask, int width, Visit visit) {
     int row = team_.Begin(i, count());
     for (int& each : rows) row = (each = first_from(row)) + 1;
     while (rows[0] < end) {
-      const auto state = [&](int k) -> const SharedWorld::State& {
-        return *environments_[rows[k]].state;
-      };
-      if (rows[1] < end) world_of(rows[1]).PrefetchUsed(state(1));
-      if (rows[2] < end) SharedWorld::Prefetch(state(2));
-      if (rows[3] < end) SharedWorld::PrefetchPlaces(state(3));
+      for (int k = 1; k < 4; ++k) {
+        if (rows[k] < end) Prefetch(world_of(rows[k]), rows[k], k);
+      }
       visit(world_of(rows[0]), environments_[rows[0]], rows[0]);
       std::move(rows.begin() + 1, rows.end(), rows.begin());
       rows.back() = first_from(rows.back() + 1);
     }
   });
+}
+
+void WorldBatch::Prefetch(const SharedWorld& shared, int row, int distance) const {
+  const SharedWorld::State& state = *environments_[row].state;
+  if (distance == 3) return SharedWorld::PrefetchPlaces(state);
+  if (distance == 2) SharedWorld::Prefetch(state);
+  if (distance == 1) shared.PrefetchUsed(state);
+  for (int i = 0; i < robot_count(); ++i) {
+    const WallList* const drawn = drawn_[int64_t{row} * robot_count() + i];
+    if (drawn == nullptr) continue;
+    if (distance == 2) PrefetchObject(*drawn);
+    if (distance == 1) PrefetchElements(drawn->blocks());
+  }
 }
 
 void WorldBatch::RequireActions(const double* actions, const bool* mask) const {
@@ -127,7 +140,6 @@ void WorldBatch::Advance(const bool* mask, const double* actions, int substeps, 
     const int64_t first = int64_t{row} * robots;
     for (int i = 0; i < robots; ++i) {
       const bool is_driven = mask == nullptr || mask[first + i];
-      world.lidars().Prefetch(robots_[i].lidar, World::AccessGuard(world));
       Command(world, robots_[i], is_driven ? actions + (first + i) * action_size() : nullptr);
       if (!goes_on) collided_[first + i] = false;
     }
@@ -267,7 +279,9 @@ void WorldBatch::Replace(int row, const World& world) {
   environment.state = own->MakeState();  // the former one is destroyed before its world
   environment.own = std::move(own);
   environment.steps = 0;
-  std::fill_n(collided_.begin() + int64_t{row} * robot_count(), robot_count(), false);
+  const int64_t first = int64_t{row} * robot_count();
+  std::fill_n(collided_.begin() + first, robot_count(), false);
+  std::fill_n(drawn_.begin() + first, robot_count(), nullptr);  // walls of its former world
 }
 
 void WorldBatch::SeedCrowd(const bool* mask, World::CrowdHandle crowd, const uint64_t* keys) {
@@ -348,7 +362,7 @@ void WorldBatch::CopyRows(const BatchRows& rows, int from, int to) const {
   rows.steps[to] = environments_[to].steps;
 }
 
-void WorldBatch::Write(World& world, int row, const bool* mask, const BatchRows& rows) const {
+void WorldBatch::Write(World& world, int row, const bool* mask, const BatchRows& rows) {
   for (int i = 0; i < robot_count(); ++i) {
     const int64_t at = int64_t{row} * robot_count() + i;
     if (mask != nullptr && !mask[at]) continue;
@@ -356,7 +370,8 @@ void WorldBatch::Write(World& world, int row, const bool* mask, const BatchRows&
     const Pose pose = Wrapped(world.GetPose(body));
     const Twist velocity = world.GetVelocity(body);
     const Twist local = world.GetLocalVelocity(body);
-    world.lidars().ScanInto(robots_[i].lidar, rows.ranges + at * beams_, World::AccessGuard(world));
+    drawn_[at] = world.lidars().ScanInto(robots_[i].lidar, rows.ranges + at * beams_,
+                                         World::AccessGuard(world));
     Put(rows.poses + 3 * at, pose.x, pose.y, pose.yaw);
     Put(rows.velocities + 3 * at, velocity.vx, velocity.vy, velocity.omega);
     Put(rows.local_velocities + 3 * at, local.vx, local.vy, local.omega);
