@@ -175,6 +175,7 @@ class SimulatedGraph(Graph, Tap):
         return Topics(
             {name: types[name] for name in published},
             {name: types[name] for name in sorted(transport.subscribed) if name in types},
+            frozenset(transport.latched),
         )
 
     def _sample(self, topic: str, message: Any) -> Sample:
