@@ -8,7 +8,7 @@ import os
 import socket
 import threading
 from functools import partial
-from typing import Any, Callable, Dict, Iterable, List, Optional, Set, Tuple
+from typing import Any, Callable, Dict, Optional, Set, Tuple
 from xml.sax.saxutils import quoteattr
 
 from cyclonedds.core import DDSException, GuardCondition, WaitSet
@@ -72,9 +72,7 @@ class DdsServer:
         self._types = DdsTypes(distribution)
         try:
             self._entity = Domain(self.domain, _config(address))
-            self._participant = DomainParticipant(
-                self.domain, Qos(Policy.Userdata(b"enclave=/;"))
-            )
+            self._participant = DomainParticipant(self.domain, Qos(Policy.Userdata(b"enclave=/;")))
             if address is None:
                 _keep_to_this_machine(self.domain)
         except (DDSException, OSError, UnicodeEncodeError) as error:
@@ -143,12 +141,10 @@ class DdsServer:
             self._outputs.pop(key).close()
         for topic, kind, is_latched in sorted(published.difference(self._outputs)):
             self._open(topic, kind, partial(self._open_output, is_latched=is_latched))
-        subscribed = {
-            each for each in topics.subscribed.items() if each[0] not in topics.published
-        }
+        subscribed = {each for each in topics.subscribed.items() if each[0] not in topics.published}
         stamped = {(topic, _TWIST_STAMPED) for topic, kind in subscribed if kind == _TWIST}
-        for key in set(self._inputs).difference(subscribed, stamped):
-            self._waitset.detach(self._inputs.pop(key).reader)
+        for each in set(self._inputs).difference(subscribed, stamped):
+            self._waitset.detach(self._inputs.pop(each).reader)
         for topic, kind in sorted((subscribed | stamped).difference(self._inputs)):
             to_graph = _twist_of if (topic, kind) in stamped - subscribed else _unchanged
             self._open(topic, kind, partial(self._open_input, to_graph=to_graph))
@@ -235,7 +231,9 @@ def _keep_to_this_machine(domain: int) -> None:
 def _udp_port(each: socket.socket) -> int:
     """The port of a socket; 0 of another file."""
     try:
-        kinds = [each.getsockopt(socket.SOL_SOCKET, of) for of in (socket.SO_DOMAIN, socket.SO_TYPE)]
+        kinds = [
+            each.getsockopt(socket.SOL_SOCKET, of) for of in (socket.SO_DOMAIN, socket.SO_TYPE)
+        ]
         is_udp = kinds == [socket.AF_INET, socket.SOCK_DGRAM]
         return int(each.getsockname()[1]) if is_udp else 0
     except OSError:

@@ -11,7 +11,7 @@ from cyclonedds.qos import Policy, Qos
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 
-from flatland_bridge.graph import BridgeError, Graph, Sample
+from flatland_bridge.graph import BridgeError, Graph
 from flatland_bridge.outbox import Stream
 from flatland_server.exceptions import shortened
 

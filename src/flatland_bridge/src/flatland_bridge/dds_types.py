@@ -8,7 +8,7 @@ import re
 from typing import Any, Callable, Dict, Iterable
 
 import numpy as np
-from cyclonedds.idl import IdlStruct, make_idl_struct, types
+from cyclonedds.idl import make_idl_struct, types
 from rosbags.interfaces import Nodetype
 
 from flatland2d.ros2_messages import Ros2Messages
@@ -124,7 +124,10 @@ class DdsTypes:
         """The description of a type for discovery, as the generators of ROS 2 make it."""
         if name not in self._structs:
             package, _, bare = name.split("/")
-            fields = {f"{key}_": self._type_of(kind) for key, kind in self._messages.store.fielddefs[name][1]}
+            fields = {
+                f"{key}_": self._type_of(kind)
+                for key, kind in self._messages.store.fielddefs[name][1]
+            }
             fields = fields or {"structure_needs_at_least_one_member_": types.uint8}
             self._structs[name] = make_idl_struct(
                 f"{package}_{bare}_", f"{package}::msg::dds_::{bare}_", fields
