@@ -7,8 +7,9 @@ import logging
 import os
 import socket
 import threading
+from contextlib import suppress
 from functools import partial
-from typing import Any, Callable, Dict, Optional, Set, Tuple
+from typing import Any, Callable, Dict, Iterator, Optional, Set, Tuple
 from xml.sax.saxutils import quoteattr
 
 from cyclonedds.core import DDSException, GuardCondition, WaitSet
@@ -218,26 +219,23 @@ def _keep_to_this_machine(domain: int) -> None:
         OSError: the system does not allow it.
     """
     first = _FIRST_PORT + _PORTS * domain
-    for name in os.listdir("/proc/self/fd"):
-        try:
-            each = socket.fromfd(int(name), socket.AF_INET, socket.SOCK_DGRAM)
-        except OSError:  # closed since
-            continue
-        with each:
-            if first <= _udp_port(each) < first + _PORTS:
-                each.setsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, b"lo")
+    for each in udp_sockets():
+        if first <= each.getsockname()[1] < first + _PORTS:
+            each.setsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, b"lo")
 
 
-def _udp_port(each: socket.socket) -> int:
-    """The port of a socket; 0 of another file."""
-    try:
-        kinds = [
-            each.getsockopt(socket.SOL_SOCKET, of) for of in (socket.SO_DOMAIN, socket.SO_TYPE)
-        ]
-        is_udp = kinds == [socket.AF_INET, socket.SOCK_DGRAM]
-        return int(each.getsockname()[1]) if is_udp else 0
-    except OSError:
-        return 0
+def udp_sockets() -> Iterator[socket.socket]:
+    """Duplicates of this process's UDP sockets, each of them until the next one."""
+    folder = "/proc/self/fd"
+    for name in os.listdir(folder):
+        with suppress(OSError):  # closed since
+            if not os.readlink(f"{folder}/{name}").startswith("socket:"):
+                continue
+            with socket.fromfd(int(name), socket.AF_INET, socket.SOCK_DGRAM) as each:
+                options = (socket.SO_DOMAIN, socket.SO_TYPE)
+                kinds = [each.getsockopt(socket.SOL_SOCKET, option) for option in options]
+                if kinds == [socket.AF_INET, socket.SOCK_DGRAM]:
+                    yield each
 
 
 def _domain() -> int:

@@ -93,7 +93,7 @@ class Output:
         self._graph = graph
         self._topic = topic
         self._profile = profile
-        self._stream = Stream(lambda sample: (), wake, length=profile.depth)
+        self._stream = Stream(lambda sample: (), wake, length=1 if profile.is_latched else None)
         self._end: Optional[Callable[[], None]] = None
         self._mismatches = 0
 

@@ -197,9 +197,7 @@ class EntityServices:
         text = (
             f"no such sources: {shortened(', '.join(request.sources))}" if request.sources else ""
         )
-        spawnables = [
-            _Spawnable(entity_resource=_Resource(uri=str(file))) for file in files
-        ]
+        spawnables = [_Spawnable(entity_resource=_Resource(uri=str(file))) for file in files]
         return {"result": Result(Result.RESULT_OK, text), "spawnables": spawnables}
 
 
