@@ -1,6 +1,8 @@
 """The services of simulation_interfaces, by a client of rosbridge."""
 
 import hashlib
+import re
+from pathlib import Path
 
 import pytest
 
@@ -53,6 +55,14 @@ def test_features_are_numbered(call, client):
     assert len(features["features"]) == len(simulation_interfaces.FEATURES)
     assert {0, 1, 10, 11, 20, 26, 40, 50} <= set(features["features"])
     assert features["spawn_formats"] == ["yaml"]
+
+
+def test_the_documentation_names_the_features():
+    text = (Path(__file__).parents[3] / "docs/bridge.md").read_text()
+
+    assert set(
+        re.findall("`([A-Z_]{8,})`", text.partition("\n## simulation_interfaces")[2])
+    ) == set(simulation_interfaces.FEATURES)
 
 
 def test_a_spawned_entity_has_its_name_and_state(call):
