@@ -1,4 +1,4 @@
-"""A node of ROS 2 for tests of DDS. Its types are its own, and cyclonedds serializes them."""
+"""A node of ROS 2 for tests of DDS: cyclonedds serializes its messages, value by value."""
 
 import os
 import random
@@ -18,6 +18,8 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 from waiting import wait_until
+
+from flatland_bridge.dds_types import DdsTypes
 
 RELIABLE = Qos(Policy.Reliability.Reliable(0), Policy.History.KeepLast(10))
 BEST_EFFORT = Qos(Policy.Reliability.BestEffort, Policy.History.KeepLast(10))
@@ -50,73 +52,18 @@ class LaserScan(IdlStruct, typename="sensor_msgs::msg::dds_::LaserScan_"):
     intensities_: types.sequence[types.float32]
 
 
-@dataclass
-class Vector3(IdlStruct, typename="geometry_msgs::msg::dds_::Vector3_"):
-    x_: types.float64 = 0.0
-    y_: types.float64 = 0.0
-    z_: types.float64 = 0.0
-
-
-@dataclass
-class Twist(IdlStruct, typename="geometry_msgs::msg::dds_::Twist_"):
-    linear_: Vector3
-    angular_: Vector3
-
-
-@dataclass
-class TwistStamped(IdlStruct, typename="geometry_msgs::msg::dds_::TwistStamped_"):
-    header_: Header
-    twist_: Twist
-
-
-@dataclass
-class Quaternion(IdlStruct, typename="geometry_msgs::msg::dds_::Quaternion_"):
-    x_: types.float64
-    y_: types.float64
-    z_: types.float64
-    w_: types.float64
-
-
-@dataclass
-class Transform(IdlStruct, typename="geometry_msgs::msg::dds_::Transform_"):
-    translation_: Vector3
-    rotation_: Quaternion
-
-
-@dataclass
-class TransformStamped(IdlStruct, typename="geometry_msgs::msg::dds_::TransformStamped_"):
-    header_: Header
-    child_frame_id_: str
-    transform_: Transform
-
-
-@dataclass
-class Transforms(IdlStruct, typename="tf2_msgs::msg::dds_::TFMessage_"):
-    transforms_: types.sequence[TransformStamped]
-
-
-@dataclass
-class String(IdlStruct, typename="std_msgs::msg::dds_::String_"):
-    data_: str
-
-
-@dataclass
-class Gid(IdlStruct, typename="rmw_dds_common::msg::dds_::Gid_"):
-    data_: types.array[types.uint8, 16]
-
-
-@dataclass
-class Node(IdlStruct, typename="rmw_dds_common::msg::dds_::NodeEntitiesInfo_"):
-    node_namespace_: str
-    node_name_: str
-    reader_gid_seq_: types.sequence[Gid]
-    writer_gid_seq_: types.sequence[Gid]
-
-
-@dataclass
-class Participant(IdlStruct, typename="rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_"):
-    gid_: Gid
-    node_entities_info_seq_: types.sequence[Node]
+_TYPES = DdsTypes("jazzy")
+Transforms, Twist, TwistStamped, String, Participant = map(
+    _TYPES.struct,
+    (
+        "tf2_msgs/msg/TFMessage",
+        "geometry_msgs/msg/Twist",
+        "geometry_msgs/msg/TwistStamped",
+        "std_msgs/msg/String",
+        "rmw_dds_common/msg/ParticipantEntitiesInfo",
+    ),
+)
+Vector3 = _TYPES.struct("geometry_msgs/msg/Vector3")
 
 
 class Peer:

@@ -92,7 +92,7 @@ def test_a_node_receives_scans(server, peer):
 
 @pytest.mark.parametrize("is_stamped", [False, True])
 def test_a_node_drives(server, peer, is_stamped):
-    twist = Twist(Vector3(0.5), Vector3())
+    twist = Twist(Vector3(0.5, 0.0, 0.0), Vector3(0.0, 0.0, 0.0))
     kind, command = Twist, twist
     if is_stamped:
         kind, command = TwistStamped, TwistStamped(Header(Time(0, 0), ""), twist)

@@ -86,7 +86,7 @@ class DdsTypes:
         if name in self._classes:
             return self._classes[name]
         content = {
-            "__idl__": self._struct(name).__idl__,
+            "__idl__": self.struct(name).__idl__,
             "type_hash": self._messages.store.hash_rihs01(name),
         }
         self._classes[name] = type("Message", (CdrMessage,), content)
@@ -120,8 +120,12 @@ class DdsTypes:
         info = store.types[name](to_gid(participant), [node_info])
         return self.discovery_class()(bytes(store.serialize_cdr(info, name)))
 
-    def _struct(self, name: str) -> Any:
-        """The description of a type for discovery, as the generators of ROS 2 make it."""
+    def struct(self, name: str) -> Any:
+        """The description of a type for discovery, as the generators of ROS 2 make it.
+
+        Args:
+            name: as package/msg/Name.
+        """
         if name not in self._structs:
             package, _, bare = name.split("/")
             fields = {
@@ -139,7 +143,7 @@ class DdsTypes:
         if node == Nodetype.BASE:
             return _BASES[content[0]]
         if node == Nodetype.NAME:
-            return self._struct(content)
+            return self.struct(content)
         item, length = content
         if node == Nodetype.ARRAY:
             return types.array[self._type_of(item), length]
