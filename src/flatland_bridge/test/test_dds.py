@@ -37,7 +37,7 @@ from dds_peer import (
 )
 
 from flatland2d.ros2_messages import Ros2Messages
-from flatland_bridge.dds_server import _config, udp_sockets
+from flatland_bridge.dds_server import configuration, udp_sockets
 
 pytestmark = pytest.mark.slow
 
@@ -208,7 +208,7 @@ def test_another_process_is_found(world, domain):
     try:
         lines = [process.stdout.readline() for _ in range(4)]
         assert lines[3] == f"ROS 2: domain {domain}, humble\n"
-        own = Domain(domain, _config(None))
+        own = Domain(domain, configuration(domain, None))
         assert own
         reader = Peer(domain).reader("rt/scan", LaserScan, BEST_EFFORT)
         stamps = [next_of(reader).header_.stamp_ for _ in range(5)]

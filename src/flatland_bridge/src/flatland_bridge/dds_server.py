@@ -9,8 +9,7 @@ import socket
 import threading
 from contextlib import suppress
 from functools import partial
-from typing import Any, Callable, Dict, Iterator, Optional, Set, Tuple
-from xml.sax.saxutils import quoteattr
+from typing import Any, Callable, Dict, Iterator, List, Optional, Set, Tuple
 
 from cyclonedds.core import DDSException, GuardCondition, WaitSet
 from cyclonedds.domain import Domain, DomainParticipant
@@ -35,7 +34,9 @@ _LARGEST_DOMAIN = 232
 """The ports of higher ones do not exist."""
 
 _FIRST_PORT, _PORTS = 7400, 250
-"""The ports of a domain, by the standard."""
+"""The ports of a domain, by the standard: for participants two each, from the eleventh on."""
+_MOST_PARTICIPANTS = 100
+"""Participants on this machine that are found."""
 
 _TWIST, _TWIST_STAMPED = "geometry_msgs/Twist", "geometry_msgs/TwistStamped"
 
@@ -47,7 +48,7 @@ _THIS_MACHINE = """<General><Interfaces><NetworkInterface address="127.0.0.1"/><
 <AllowMulticast>false</AllowMulticast>
 <MaxMessageSize>65500B</MaxMessageSize><FragmentSize>65000B</FragmentSize></General>
 <Discovery><ParticipantIndex>auto</ParticipantIndex>
-<MaxAutoParticipantIndex>100</MaxAutoParticipantIndex><SPDPInterval>1s</SPDPInterval>
+<MaxAutoParticipantIndex>{}</MaxAutoParticipantIndex><SPDPInterval>1s</SPDPInterval>
 <Peers><Peer address="127.0.0.1"/></Peers></Discovery>"""
 """Packets to this machine can be large. Without multicast, discovery is a packet to each port."""
 
@@ -57,7 +58,7 @@ class DdsServer:
 
     Args:
         graph: the topics and services.
-        address: of the network interface; None is this machine alone, "" the usual one.
+        address: of the network interface, or a name of it; None is this machine alone, "" any.
         distribution: of ROS 2, for its types.
 
     Attributes:
@@ -72,7 +73,7 @@ class DdsServer:
         self._graph = CallTopics(graph)
         self._types = DdsTypes(distribution)
         try:
-            self._entity = Domain(self.domain, _config(address))
+            self._entity = Domain(self.domain, configuration(self.domain, address))
             self._participant = DomainParticipant(self.domain, Qos(Policy.Userdata(b"enclave=/;")))
             if address is None:
                 _keep_to_this_machine(self.domain)
@@ -86,7 +87,6 @@ class DdsServer:
         self._outputs: Dict[Tuple[str, str, bool], Output] = {}
         self._inputs: Dict[Tuple[str, str], Input] = {}
         self._refused: Set[Tuple[str, str]] = set()
-        self._announced = b""
         self._discovery = open_writer(
             self._participant,
             DISCOVERY_TOPIC,
@@ -123,8 +123,18 @@ class DdsServer:
                     each.receive()
             if timer.check_update():
                 self._follow_graph()
-            for output in self._outputs.values():
-                output.send()
+            for key in list(self._outputs):
+                self._send(*key)
+
+    def _send(self, topic: str, kind: str, is_latched: bool) -> None:
+        """Sends what waits for a topic's subscribers."""
+        key = topic, kind, is_latched
+        try:
+            self._outputs[key].send()
+        except Exception:  # of a message that has other fields than its type, for one
+            self._refused.add((topic, kind))
+            self._outputs.pop(key).close()
+            logger.exception("%s is no longer a topic of ROS 2", topic)
 
     def _wake(self) -> None:
         """Ends the thread's wait; for any thread."""
@@ -134,6 +144,7 @@ class DdsServer:
 
     def _follow_graph(self) -> None:
         """Opens and closes topics as they come and go, and announces them."""
+        before = self._entities()
         topics = self._graph.topics
         published = {(*each, each[0] in topics.latched) for each in topics.published.items()}
         gone = set(self._outputs).difference(published)
@@ -149,7 +160,11 @@ class DdsServer:
         for topic, kind in sorted((subscribed | stamped).difference(self._inputs)):
             to_graph = _twist_of if (topic, kind) in stamped - subscribed else _unchanged
             self._open(topic, kind, partial(self._open_input, to_graph=to_graph))
-        self._announce()
+        if self._entities() != before:
+            self._announce()
+
+    def _entities(self) -> List[object]:
+        return [*self._inputs.values(), *self._outputs.values()]
 
     def _open(self, topic: str, kind: str, open_it: Callable[[str, str, str, Any], None]) -> None:
         """Opens a topic, unless ROS 2 has no such name or type."""
@@ -199,9 +214,7 @@ class DdsServer:
             [each.reader.guid.bytes for each in self._inputs.values()],
             [each.writer.guid.bytes for each in self._outputs.values()],
         )
-        if message.data != self._announced:
-            self._announced = message.data
-            self._discovery.write(message)
+        self._discovery.write(message)
 
 
 def _unchanged(message: Any) -> Any:
@@ -245,9 +258,20 @@ def _domain() -> int:
     return int(text)
 
 
-def _config(address: Optional[str]) -> str:
-    """The configuration of DDS; that of the variable CYCLONEDDS_URI is not used."""
+def configuration(domain: int, address: Optional[str]) -> str:
+    """The configuration of DDS; that of the variable CYCLONEDDS_URI is not used.
+
+    Args:
+        domain: its number.
+        address: as for `DdsServer`.
+
+    Raises:
+        OSError: there is no such address.
+    """
     if address is None:
-        return _CONFIG.format(_THIS_MACHINE)
-    interface = f"address={quoteattr(address)}" if address else 'autodetermine="true"'
+        pairs = (65535 - 11 - _FIRST_PORT - _PORTS * domain) // 2
+        return _CONFIG.format(_THIS_MACHINE.format(min(pairs, _MOST_PARTICIPANTS)))
+    interface = 'autodetermine="true"'
+    if address:
+        interface = f'address="{socket.gethostbyname(address)}"'
     return _CONFIG.format(_INTERFACE.format(interface))

@@ -2,7 +2,8 @@
 
 import logging
 import time
-from typing import Any, Callable, NamedTuple, Optional
+from contextlib import suppress
+from typing import Any, Callable, NamedTuple, Optional, Tuple
 
 from cyclonedds.core import DDSException, DDSStatus
 from cyclonedds.domain import DomainParticipant
@@ -105,7 +106,8 @@ class Output:
         """
         has_readers = self.writer.get_publication_matched_status().current_count > 0
         if has_readers and self._end is None:
-            self._end = self._graph.subscribe(self._topic, self._stream.receive)
+            with suppress(BridgeError):  # the simulation cannot keep up: later
+                self._end = self._graph.subscribe(self._topic, self._stream.receive)
         elif self._end is not None and not has_readers:
             self.close()
             return not self._profile.is_latched
@@ -119,7 +121,7 @@ class Output:
         self._mismatches = status.total_count
         return True
 
-    def _offers(self) -> "tuple[str, str]":
+    def _offers(self) -> Tuple[str, str]:
         return (
             "reliable" if self._profile.is_reliable else "best effort",
             "transient local" if self._profile.is_latched else "volatile",

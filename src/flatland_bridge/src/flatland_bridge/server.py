@@ -1,6 +1,5 @@
 """A world that is simulated in this process, for clients of all protocols: `flatland serve`."""
 
-import socket
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
@@ -65,10 +64,8 @@ def _dds_server(graph: Graph, access: Access, distribution: str) -> "DdsServer":
         ) from None
     if access.token is not None:
         raise BridgeError("DDS has no token: leave out either --token or --ros2")
-    address = None
-    if not access.is_local:
-        address = "" if access.host in ("0.0.0.0", "") else socket.gethostbyname(access.host)
-    return DdsServer(graph, address, distribution)
+    address = "" if access.host in ("0.0.0.0", "::", "") else access.host
+    return DdsServer(graph, None if access.is_local else address, distribution)
 
 
 class Server:
