@@ -84,7 +84,8 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
         raise FlatlandError(f"~step_size: {error}") from None
     shutdown = Shutdown()
     transport = RosTransport(
-        rospy_patches.install(config.rospy_patches), {"~no_return": config.no_return}
+        rospy_patches.install(config.rospy_patches),
+        {"~no_return": config.no_return, "~static_tf": config.static_tf},
     )
     shutdown.transport = transport
     LoadingPublisher()
@@ -146,7 +147,7 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
         manager.on_tick.append(ThreadPriority().update)
     manager.on_tick.append(SlowPluginWatch().update)
     if config.map_to_odom:
-        manager.on_tick.append(MapToOdom(manager.world).update)
+        manager.on_tick.append(MapToOdom(transport, lambda: manager.world.odometry_frames).update)
     files = ClientFiles(manager.world, config.state_folder)
     host = RosServiceHost(transport)
     ModelServices(manager.world, host, files)
