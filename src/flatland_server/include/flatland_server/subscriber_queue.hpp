@@ -34,11 +34,11 @@ class SubscriberQueue : public std::enable_shared_from_this<SubscriberQueue> {
   SubscriberQueue& operator=(const SubscriberQueue&) = delete;
 
   /// Adds a message as it is sent, with its length before it. Returns how many were added since the
-  /// last `Send`.
+  /// last `Send`; 0 if the connection has failed.
   std::size_t Add(std::string framed);
   /// Sends what the socket takes. Returns false if the connection has failed.
   bool Send();
-  /// Forgets the messages. The connection itself is closed by its owner.
+  /// Forgets the messages; the connection counts as failed. Its owner closes it.
   void Close();
 
   struct Status {
@@ -74,8 +74,8 @@ class Outbox {
   /// @param most  messages of a queue that are to wait at most
   Outbox(Seconds period, std::size_t most) : period_(period), most_(most) {}
 
-  /// Adds a message to a queue, to be sent later.
-  void Add(const std::shared_ptr<SubscriberQueue>& queue, std::string framed);
+  /// Adds a message to a queue, to be sent later. Returns false if its connection has failed.
+  bool Add(const std::shared_ptr<SubscriberQueue>& queue, std::string framed);
   bool is_empty() const;
   /// True if a message has waited for `period`, or a queue has `most` of them.
   bool IsDue() const;

@@ -55,7 +55,7 @@ void RoomWatcher::Run() {
       if (queue == nullptr) continue;
       const std::lock_guard lock(queue->mutex_);
       queue->waits_for_room_ = false;
-      if (queue->status_.error == 0 && queue->socket_ >= 0) queue->SendMessages();
+      queue->SendMessages();  // none, if it was closed
     }
   }
 }

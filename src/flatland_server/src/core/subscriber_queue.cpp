@@ -27,6 +27,7 @@ SubscriberQueue::SubscriberQueue(int socket, std::size_t limit)
 
 std::size_t SubscriberQueue::Add(std::string framed) {
   const std::lock_guard lock(mutex_);
+  if (status_.error != 0) return 0;
   messages_.push_back(std::move(framed));
   return ++held_;
 }
@@ -34,11 +35,7 @@ std::size_t SubscriberQueue::Add(std::string framed) {
 bool SubscriberQueue::Send() {
   const std::lock_guard lock(mutex_);
   held_ = 0;
-  if (status_.error != 0 || socket_ < 0) {
-    Fail(status_.error);
-  } else if (!waits_for_room_) {
-    SendMessages();
-  }
+  if (!waits_for_room_) SendMessages();
   DropOldest();
   return status_.error == 0;
 }
@@ -88,7 +85,7 @@ void SubscriberQueue::Close() {
   if (waits_for_room_) RoomWatcher::Get().Forget(socket_);
   close(socket_);
   socket_ = -1;
-  Fail(status_.error);
+  Fail(status_.error != 0 ? status_.error : ENOTCONN);
 }
 
 SubscriberQueue::Status SubscriberQueue::status() const {
@@ -96,14 +93,16 @@ SubscriberQueue::Status SubscriberQueue::status() const {
   return status_;
 }
 
-void Outbox::Add(const std::shared_ptr<SubscriberQueue>& queue, std::string framed) {
+bool Outbox::Add(const std::shared_ptr<SubscriberQueue>& queue, std::string framed) {
   const std::size_t held = queue->Add(std::move(framed));
-  if (held > 1 && held < most_) return;
+  if (held > 1 && held < most_) return true;
   const std::lock_guard lock(mutex_);
   if (held >= most_) is_full_ = true;
-  if (held > 1) return;
-  if (queues_.empty()) since_ = std::chrono::steady_clock::now();
-  queues_.push_back(queue);
+  if (held <= 1) {  // or it has failed, which `Send` reports
+    if (queues_.empty()) since_ = std::chrono::steady_clock::now();
+    queues_.push_back(queue);
+  }
+  return held > 0;
 }
 
 bool Outbox::is_empty() const {

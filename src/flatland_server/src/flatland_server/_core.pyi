@@ -759,7 +759,7 @@ class SubscriberQueue(metaclass=_Metaclass):
         """Adds a message, and sends all that wait. Returns False if the connection has failed."""
 
     def close(self) -> None:
-        """Forgets the messages, and closes the duplicate."""
+        """Forgets the messages, and closes the duplicate: the connection counts as failed."""
 
     @property
     def error(self) -> int:
@@ -780,8 +780,8 @@ class Outbox(metaclass=_Metaclass):
     """
 
     def __init__(self, period: float, most: int) -> None: ...
-    def add(self, queue: SubscriberQueue, data: bytes) -> None:
-        """Adds a message to those of a subscriber that wait."""
+    def add(self, queue: SubscriberQueue, data: bytes) -> bool:
+        """Adds a message to those of a subscriber. Returns False if the connection has failed."""
 
     @property
     def is_empty(self) -> bool:

@@ -109,17 +109,11 @@ class NonblockingConnection(QueuedConnection):
         Raises:
             TransportTerminated: the connection is closed.
         """
-        if outbox.is_open and not self.has_failed:
-            outbox.core.add(self.queue, data)
-        elif not self.queue.send(data):
+        queue = self.queue
+        if not (outbox.core.add(queue, data) if outbox.is_open else queue.send(data)):
             self._connection.close()
-            raise TransportTerminated(os.strerror(self.queue.error))
+            raise TransportTerminated(os.strerror(queue.error))
         return True
-
-    @property
-    def has_failed(self) -> bool:
-        """True if sending has failed, or the connection is closed."""
-        return self.queue.error != 0 or self._connection.done
 
     @property
     def stat_bytes(self) -> int:
@@ -143,6 +137,6 @@ def _drop_failed() -> None:
     topics: List[Any] = list(rospy.topics.get_topic_manager().pubs.values())
     for topic in topics:
         for connection in topic.connections:
-            if isinstance(connection, NonblockingConnection) and connection.has_failed:
+            if isinstance(connection, NonblockingConnection) and connection.queue.error:
                 connection.close()
                 topic.remove_connection(connection)
