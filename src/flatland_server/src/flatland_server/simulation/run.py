@@ -155,6 +155,11 @@ class Run:
         last = timekeeper.nanoseconds + (count - 1) * step
         if last >= contents.plan.until or count > _MAX_STEPS_PER_CALL:
             return False
+        messages = contents.plan.messages
+        if messages is not None:
+            if count > 1:
+                return False
+            messages.write(last)
         contents.physics.step_until_contact(timekeeper.step_size, count)
         timekeeper.nanoseconds = last + step
         return True
