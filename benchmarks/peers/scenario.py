@@ -20,7 +20,7 @@ INCREMENT = 2 * math.pi / (BEAMS - 1)
 ORCA = {"horizon": 2.0, "wall_horizon": 1.0, "distance": 5.0, "neighbors": 10}
 """Of crowds: as the keys of our Crowd."""
 SAFE_RADIUS = 0.1
-"""Of an agent beyond its radius [m]: ir-sim's default. Its agents stop for good where they touch."""
+"""Of an agent beyond its radius [m]: ir-sim's default. Its agents stop for good if they touch."""
 SPEED = 0.5
 YAW_RATE = 1.0
 STEPS_PER_COMMAND = 10

@@ -13,7 +13,8 @@ import numpy as np
 
 from flatland2d import MissingPackageError, UsageError
 from flatland_gym.navigation_vector_env import NavigationVectorEnv
-from flatland_gym.networks import Adam, Network
+from flatland_gym.networks import Adam, Network, SetNetwork
+from flatland_gym.observations import NEIGHBOR
 from flatland_gym.policy import Policy
 from flatland_server import BoolArray, Float32Array, FloatArray
 
@@ -42,7 +43,7 @@ class PpoSettings:
     rollout: int = 64
     minibatch: int = 1024
     epochs: int = 6
-    learning_rate: float = 5e-4
+    learning_rate: float = 1e-3
     discount: float = 0.99
     trace: float = 0.95
     clip: float = 0.2
@@ -56,12 +57,14 @@ class Scale:
 
     Args:
         size: of an observation.
+        members: how many numbers at its end are left as they are.
     """
 
     _LEAST = 0.05  # standard deviation
 
-    def __init__(self, size: int) -> None:
+    def __init__(self, size: int, members: int = 0) -> None:
         self._count = 0
+        self._scaled = size - members
         self._mean, self._variance = np.zeros(size), np.zeros(size)
         self._set(np.zeros(size), np.ones(size))
 
@@ -94,6 +97,7 @@ class Scale:
 
     def _set(self, shift: FloatArray, width: FloatArray) -> None:
         self._shift, self._width = shift.astype(np.float32), width.astype(np.float32)
+        self._shift[self._scaled :], self._width[self._scaled :] = 0.0, 1.0
 
 
 class Progress(NamedTuple):
@@ -152,16 +156,24 @@ class Ppo:
         self._rng = np.random.default_rng(seed)
         (size,) = env.single_observation_space.shape or ()
         self._limits = env.single_action_space.high
-        sizes = (size, *settings.hidden)
-        self._actor = Network((*sizes, len(self._limits)), 0.01, self._rng)
-        self._critic = Network((*sizes, 1), 1.0, self._rng)
+        neighbors = env.navigation.settings.neighbors
+        of_all = size - env.navigation.robot.beams - NEIGHBOR * neighbors
+
+        def network(outputs: int, gain: float) -> Network:
+            sizes = (size, *settings.hidden, outputs)
+            if not neighbors:
+                return Network(sizes, gain, self._rng)
+            return SetNetwork(sizes, gain, self._rng, (neighbors, NEIGHBOR), of_all)
+
+        self._actor = network(len(self._limits), 0.01)
+        self._critic = network(1, 1.0)
         self._log_std = np.full(len(self._limits), settings.log_std, np.float32)
         parameters = [*self._actor.parameters, *self._critic.parameters, self._log_std]
         self._optimiser = Adam(parameters)
         self._rewards = np.zeros(env.num_envs)
         self._ended: List[Tuple[bool, float]] = []
         self._observations, _ = env.reset(seed=seed)
-        self._scale = Scale(size)
+        self._scale = Scale(size, NEIGHBOR * neighbors)
         self._seed = seed
 
     def train(
@@ -212,8 +224,7 @@ class Ppo:
 
     def policy(self) -> Policy:
         """The policy as it is now."""
-        layers = self._actor.weights, self._actor.biases
-        weights, biases = ([array.copy() for array in arrays] for arrays in layers)
+        weights, biases = self._actor.layers()
         weights[0], biases[0] = self._scale.folded(weights[0], biases[0])
         return self._env.navigation.policy(weights, biases)
 
@@ -230,9 +241,8 @@ class Ppo:
         shape = (settings.rollout, count)
         observations = np.empty((*shape, self._observations.shape[1]), np.float32)
         actions = np.empty((*shape, len(self._limits)), np.float32)
-        log_probabilities, rewards, values, next_values = (
-            np.empty(shape, np.float32) for _ in range(4)
-        )
+        log_probabilities, rewards, values = (np.empty(shape, np.float32) for _ in range(3))
+        next_values = np.zeros(shape, np.float32)
         ends = np.empty(shape, bool)
         std = np.exp(self._log_std)
         for step in range(settings.rollout):
@@ -246,24 +256,18 @@ class Ppo:
                 np.clip(actions[step], -1.0, 1.0) * self._limits
             )
             ends[step] = terminated | truncated
-            next_values[step] = self._values_after(terminated, ends[step], infos)
+            late = truncated & ~terminated  # for the value function, these episodes go on
+            if late.any():
+                next_values[step, late] = self._values(np.stack(infos["final_obs"][late]))
             self._note(rewards[step], ends[step], infos)
+        following = np.concatenate([values[1:], self._values(self._observations)[None]])
+        next_values[~ends] = following[~ends]
         advantages = _advantages(rewards, values, next_values, ends, settings)
         return _Rollout(observations, actions, log_probabilities, advantages, advantages + values)
 
-    def _values_after(self, terminated: BoolArray, ended: BoolArray, infos: dict) -> Float32Array:  # type: ignore[type-arg]
-        """The values of the observations after a step; 0 where the episode has terminated.
-
-        A truncated episode is not over for the value function: its last observation has a value.
-        """
-        last = self._observations
-        if ended.any():
-            last = last.copy()
-            for index in np.flatnonzero(ended):
-                last[index] = infos["final_obs"][index]
-        values: Float32Array = np.where(
-            terminated, 0.0, self._critic.forward(self._scale.of(last))[-1][:, 0]
-        )
+    def _values(self, observations: Float32Array) -> Float32Array:
+        """The critic's values of observations."""
+        values: Float32Array = self._critic.forward(self._scale.of(observations))[-1][:, 0]
         return values
 
     def _note(self, rewards: Float32Array, ended: BoolArray, infos: dict) -> None:  # type: ignore[type-arg]

@@ -27,8 +27,11 @@ METRICS = (
     "success",
     "collision",
     "collision_with",
+    "person_collision",
+    "timed_out",
     "time",
     "time_to_goal",
+    "path_to_goal",
     "path_length",
     "shortest_path",
     "spl",
@@ -233,13 +236,15 @@ class SweepRun:
         found["collision_with"] = self._collided_with or None
         found["path_length"] = self._length
         found.update(motion_metrics(self._times, self._poses))
-        found.update(self._people.values())
+        found.update(self._people.values(self._collided_with))
         if math.isfinite(self._clearance):
             found["min_clearance"] = self._clearance
         if self.goal is not None:
             found["success"] = self._has_arrived
+            found["timed_out"] = self.outcome == "time limit"
             found["goal_distance"] = math.dist(self._place, self.goal)
-            found["time_to_goal"] = now if self._has_arrived else None
+            if self._has_arrived:
+                found["time_to_goal"], found["path_to_goal"] = now, self._length
             found["shortest_path"] = self._shortest
             if self._shortest is not None:
                 done = self._has_arrived, self._shortest
