@@ -59,7 +59,7 @@ class SetNetwork(Network):
     learnt of one member holds for all of them, which takes fewer steps.
 
     Args:
-        sizes: of the input, of two or more hidden layers, and of the output.
+        sizes: of the input, of one hidden layer or more, and of the output.
         gain: of the last layer's initial weights.
         rng: draws the initial weights.
         members: their number and their size.

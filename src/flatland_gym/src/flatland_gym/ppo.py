@@ -161,7 +161,7 @@ class Ppo:
 
         def network(outputs: int, gain: float) -> Network:
             sizes = (size, *settings.hidden, outputs)
-            if not neighbors:
+            if not (neighbors and settings.hidden):
                 return Network(sizes, gain, self._rng)
             return SetNetwork(sizes, gain, self._rng, (neighbors, NEIGHBOR), of_all)
 
@@ -241,8 +241,9 @@ class Ppo:
         shape = (settings.rollout, count)
         observations = np.empty((*shape, self._observations.shape[1]), np.float32)
         actions = np.empty((*shape, len(self._limits)), np.float32)
-        log_probabilities, rewards, values = (np.empty(shape, np.float32) for _ in range(3))
-        next_values = np.zeros(shape, np.float32)
+        log_probabilities, rewards, values, next_values = (
+            np.empty(shape, np.float32) for _ in range(4)
+        )
         ends = np.empty(shape, bool)
         std = np.exp(self._log_std)
         for step in range(settings.rollout):
@@ -256,18 +257,24 @@ class Ppo:
                 np.clip(actions[step], -1.0, 1.0) * self._limits
             )
             ends[step] = terminated | truncated
-            late = truncated & ~terminated  # for the value function, these episodes go on
-            if late.any():
-                next_values[step, late] = self._values(np.stack(infos["final_obs"][late]))
+            next_values[step] = self._values_after(terminated, ends[step], infos)
             self._note(rewards[step], ends[step], infos)
-        following = np.concatenate([values[1:], self._values(self._observations)[None]])
-        next_values[~ends] = following[~ends]
         advantages = _advantages(rewards, values, next_values, ends, settings)
         return _Rollout(observations, actions, log_probabilities, advantages, advantages + values)
 
-    def _values(self, observations: Float32Array) -> Float32Array:
-        """The critic's values of observations."""
-        values: Float32Array = self._critic.forward(self._scale.of(observations))[-1][:, 0]
+    def _values_after(self, terminated: BoolArray, ended: BoolArray, infos: dict) -> Float32Array:  # type: ignore[type-arg]
+        """The values of the observations after a step; 0 where the episode has terminated.
+
+        A truncated episode is not over for the value function: its last observation has a value.
+        """
+        last = self._observations
+        if ended.any():
+            last = last.copy()
+            for index in np.flatnonzero(ended):
+                last[index] = infos["final_obs"][index]
+        values: Float32Array = np.where(
+            terminated, 0.0, self._critic.forward(self._scale.of(last))[-1][:, 0]
+        )
         return values
 
     def _note(self, rewards: Float32Array, ended: BoolArray, infos: dict) -> None:  # type: ignore[type-arg]
