@@ -189,7 +189,7 @@ FLATLAND_CLONES void DrawCircleOn(const BeamFan& fan, double* inverse, Vec2 cent
 
 FLATLAND_CLONES void DrawSide(const BeamFan& fan, double* inverse, Vec2 a, Vec2 b, double cross) {
   for (const BeamFan::Run& run : fan.BeamsBetween(a, b)) {
-    DrawOn(fan, inverse, run, a, b, 1.0 / cross);
+    if (run.begin < run.end) DrawOn(fan, inverse, run, a, b, 1.0 / cross);
   }
 }
 

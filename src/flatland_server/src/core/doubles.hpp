@@ -78,10 +78,8 @@ FLATLAND_INLINE Doubles Sqrt(const Doubles& values) {
   return roots;
 }
 
-FLATLAND_INLINE Doubles Abs(const Doubles& values) {
-  const Mask bits = reinterpret_cast<const Mask&>(values) & INT64_MAX;
-  return reinterpret_cast<const Doubles&>(bits);
-}
+/// Without the sign bits.
+FLATLAND_INLINE Doubles Abs(const Doubles& values) { return (Doubles)((Mask)values & INT64_MAX); }
 
 /// Upper bounds of the vectors' lengths.
 FLATLAND_INLINE Doubles ManhattanNorms(const Doubles& x, const Doubles& y) {
