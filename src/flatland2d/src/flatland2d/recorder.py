@@ -224,7 +224,7 @@ class Recorder(Tap):
     def _channel(self, topic: str, kind: Any, is_latched: bool) -> Channel:
         if self._ros2 is None:
             return Channel(topic, kind._type, kind._md5sum, kind._full_text, is_latched)
-        name, definition, checksum, _ = self._ros2.type_of(kind)
+        name, definition, checksum, *_ = self._ros2.type_of(kind)
         return Channel(topic, name, checksum, definition, is_latched, "cdr")
 
     def _numbered(self, topic: str, kind: Any, data: bytes) -> bytes:

@@ -29,8 +29,11 @@ METRICS = (
     "collision",
     "collision_with",
     "contacts",
+    "person_collision",
+    "timed_out",
     "time",
     "time_to_goal",
+    "path_to_goal",
     "path_length",
     "shortest_path",
     "spl",
@@ -266,13 +269,15 @@ class SweepRun:
         found.update({name: score[name] for name in SCORED})
         if self._drive is None:
             found["speed_change"] = found["turn_change"] = None
-        found.update(self._people.values())
+        found.update(self._people.values(self._collided_with))
         if math.isfinite(self._clearance):
             found["min_clearance"] = self._clearance
         if self.goal is not None:
             found["success"] = self._has_arrived
+            found["timed_out"] = self.outcome == "time limit"
             found["goal_distance"] = math.dist(self._place, self.goal)
-            found["time_to_goal"] = now if self._has_arrived else None
+            if self._has_arrived:
+                found["time_to_goal"], found["path_to_goal"] = now, self._length
             found["shortest_path"] = self._shortest
             if self._shortest is not None:
                 done = self._has_arrived, self._shortest

@@ -15,6 +15,7 @@ from typing import Counter as CounterType
 import rospy
 from tf2_msgs.msg import TFMessage
 
+from flatland_server._core import BodyMessage, StepMessage
 from flatland_server.geometry import Transform
 from flatland_server.ros.rospy_patches import RospyCalls
 from flatland_server.transport.arrivals import Arrival
@@ -161,10 +162,9 @@ class RosTransport(ThreadCalls, Transport):
             if not self._outbox.is_open:
                 self.before_sending()
             self.rospy_calls.send_bytes(self._tf, message)
-        if self._outbox.is_open:
-            self._outbox.is_open = False
-            if self._outbox.is_due:
-                self.release()
+        if self._outbox.is_due:
+            self.release()
+        self._outbox.is_open = False
 
     def hold(self) -> None:
         self._outbox.open()
@@ -222,6 +222,9 @@ class _RosPublisher(Publisher):
             if not self._outbox.is_open:
                 self._transport.before_sending()
             self._send_bytes(self._publisher, writer.data(*values))
+
+    def step_message(self, message: BodyMessage) -> Optional[StepMessage]:
+        return self._outbox.step_message(self._publisher, message)
 
     def close(self) -> None:
         self._publisher.unregister()
