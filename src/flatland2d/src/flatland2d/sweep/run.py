@@ -339,7 +339,8 @@ class SweepRun:
 def _drive_of(simulation: Simulation, robot: ModelHandle) -> Optional[_core.Drive]:
     """The drive of the core whose command is a velocity, if the robot has one."""
     for plugin in simulation.world.plugins_of(robot.name).values():
-        role = plugin.batch_role
-        if role is not None and role.drive is not None and isinstance(role.drive.drive, _core.Drive):
-            return role.drive.drive
+        core = plugin.batch_role.drive if plugin.batch_role else None
+        drive = core.drive if core else None
+        if isinstance(drive, _core.Drive):
+            return drive
     return None
