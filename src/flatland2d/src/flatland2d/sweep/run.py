@@ -1,7 +1,7 @@
 """The run of a scenario, as its controller sees it: the simulation, the robot, the goal, time."""
 
 import math
-from typing import Any, Dict, List, Mapping, Optional, Sequence
+from typing import Any, Dict, List, Mapping, Optional, Sequence, cast
 
 import numpy as np
 
@@ -342,5 +342,5 @@ def _drive_of(simulation: Simulation, robot: ModelHandle) -> Optional[_core.Driv
         core = plugin.batch_role.drive if plugin.batch_role else None
         drive = core.drive if core else None
         if isinstance(drive, _core.Drive):
-            return drive
+            return cast(_core.Drive, drive)
     return None
