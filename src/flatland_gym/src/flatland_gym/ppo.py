@@ -7,7 +7,7 @@ enough for matrices of 64 x 64 and tens of thousands of rows at a time.
 import math
 import time
 from dataclasses import dataclass
-from typing import Callable, List, NamedTuple, Tuple
+from typing import Callable, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -30,7 +30,8 @@ class PpoSettings:
         rollout: steps of each environment between two updates.
         minibatch: rows of a gradient step.
         epochs: how often an update uses each row.
-        learning_rate: at the beginning; it falls to a tenth of that.
+        learning_rate: at the beginning; it falls to a tenth of that. None: 1e-3, or 5e-4 with
+            neighbours in observations, which are normalised then.
         discount: of rewards, per step.
         trace: the lambda of generalised advantage estimation.
         clip: how far the ratio of probabilities may leave 1.
@@ -42,7 +43,7 @@ class PpoSettings:
     rollout: int = 64
     minibatch: int = 1024
     epochs: int = 6
-    learning_rate: float = 5e-4
+    learning_rate: Optional[float] = None
     discount: float = 0.99
     trace: float = 0.95
     clip: float = 0.2
@@ -162,6 +163,9 @@ class Ppo:
         self._ended: List[Tuple[bool, float]] = []
         self._observations, _ = env.reset(seed=seed)
         self._scale = Scale(size)
+        # Without neighbours all numbers are of one size, and beams, normalised, drown the goal.
+        self._normalises = env.navigation.settings.neighbors > 0
+        self._rate = settings.learning_rate or (5e-4 if self._normalises else 1e-3)
         self._seed = seed
 
     def train(
@@ -188,14 +192,14 @@ class Ppo:
         started, done = time.monotonic(), 0
         bar = TrainingBar(steps, seconds) if progress_bar else None
         try:
-            if not self._scale.is_known:
+            if self._normalises and not self._scale.is_known:
                 self._learn_scale()
             while done < steps and time.monotonic() - started < seconds:
                 spent = (time.monotonic() - started) / seconds if seconds < math.inf else 0.0
                 part = min(max(done / steps, spent), 1.0)
                 self._ended.clear()
                 rollout = self._roll_out()
-                self._update(rollout, self._settings.learning_rate * (1.0 - 0.9 * part))
+                self._update(rollout, self._rate * (1.0 - 0.9 * part))
                 done += self._settings.rollout * self._env.num_envs
                 elapsed = time.monotonic() - started
                 means = np.mean(self._ended, axis=0) if self._ended else (math.nan, math.nan)
@@ -283,7 +287,8 @@ class Ppo:
             for start in range(0, size, minibatch):
                 chosen = order[start : start + minibatch]
                 self._descend(_Rollout(*(each[chosen] for each in flat)), rate)
-        self._scale.take(flat.observations)
+        if self._normalises:
+            self._scale.take(flat.observations)
 
     def _descend(self, rows: _Rollout, rate: float) -> None:
         """Makes a step of the optimiser: the gradients of PPO's clipped objective."""
