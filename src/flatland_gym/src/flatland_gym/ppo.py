@@ -7,13 +7,14 @@ enough for matrices of 64 x 64 and tens of thousands of rows at a time.
 import math
 import time
 from dataclasses import dataclass
-from typing import Callable, List, NamedTuple, Optional, Tuple
+from typing import Callable, List, NamedTuple, Tuple
 
 import numpy as np
 
 from flatland2d import MissingPackageError, UsageError
 from flatland_gym.navigation_vector_env import NavigationVectorEnv
-from flatland_gym.networks import Adam, Network
+from flatland_gym.networks import Adam, Network, SetNetwork
+from flatland_gym.observations import NEIGHBOR
 from flatland_gym.policy import Policy
 from flatland_server import BoolArray, Float32Array, FloatArray
 
@@ -30,8 +31,7 @@ class PpoSettings:
         rollout: steps of each environment between two updates.
         minibatch: rows of a gradient step.
         epochs: how often an update uses each row.
-        learning_rate: at the beginning; it falls to a tenth of that. None: 1e-3, or 5e-4 with
-            neighbours in observations, which are normalised then.
+        learning_rate: at the beginning; it falls to a tenth of that.
         discount: of rewards, per step.
         trace: the lambda of generalised advantage estimation.
         clip: how far the ratio of probabilities may leave 1.
@@ -43,7 +43,7 @@ class PpoSettings:
     rollout: int = 64
     minibatch: int = 1024
     epochs: int = 6
-    learning_rate: Optional[float] = None
+    learning_rate: float = 1e-3
     discount: float = 0.99
     trace: float = 0.95
     clip: float = 0.2
@@ -57,12 +57,14 @@ class Scale:
 
     Args:
         size: of an observation.
+        members: how many numbers at its end are left as they are.
     """
 
     _LEAST = 0.05  # standard deviation
 
-    def __init__(self, size: int) -> None:
+    def __init__(self, size: int, members: int = 0) -> None:
         self._count = 0
+        self._scaled = size - members
         self._mean, self._variance = np.zeros(size), np.zeros(size)
         self._set(np.zeros(size), np.ones(size))
 
@@ -95,6 +97,7 @@ class Scale:
 
     def _set(self, shift: FloatArray, width: FloatArray) -> None:
         self._shift, self._width = shift.astype(np.float32), width.astype(np.float32)
+        self._shift[self._scaled :], self._width[self._scaled :] = 0.0, 1.0
 
 
 class Progress(NamedTuple):
@@ -153,19 +156,26 @@ class Ppo:
         self._rng = np.random.default_rng(seed)
         (size,) = env.single_observation_space.shape or ()
         self._limits = env.single_action_space.high
-        sizes = (size, *settings.hidden)
-        self._actor = Network((*sizes, len(self._limits)), 0.01, self._rng)
-        self._critic = Network((*sizes, 1), 1.0, self._rng)
+        neighbors = env.navigation.settings.neighbors
+        of_all = size - env.navigation.robot.beams - NEIGHBOR * neighbors
+
+        def network(outputs: int, gain: float) -> Network:
+            sizes = (size, *settings.hidden, outputs)
+            if not (neighbors and settings.hidden):
+                return Network(sizes, gain, self._rng)
+            return SetNetwork(sizes, gain, self._rng, (neighbors, NEIGHBOR), of_all)
+
+        self._actor = network(len(self._limits), 0.01)
+        self._critic = network(1, 1.0)
         self._log_std = np.full(len(self._limits), settings.log_std, np.float32)
         parameters = [*self._actor.parameters, *self._critic.parameters, self._log_std]
         self._optimiser = Adam(parameters)
         self._rewards = np.zeros(env.num_envs)
         self._ended: List[Tuple[bool, float]] = []
         self._observations, _ = env.reset(seed=seed)
-        self._scale = Scale(size)
-        # Without neighbours all numbers are of one size, and beams, normalised, drown the goal.
-        self._normalises = env.navigation.settings.neighbors > 0
-        self._rate = settings.learning_rate or (5e-4 if self._normalises else 1e-3)
+        self._scale = Scale(size, NEIGHBOR * neighbors)
+        # A robot alone learns slower with normalised beams: they drown the goal.
+        self._normalises = neighbors > 0
         self._seed = seed
 
     def train(
@@ -199,7 +209,7 @@ class Ppo:
                 part = min(max(done / steps, spent), 1.0)
                 self._ended.clear()
                 rollout = self._roll_out()
-                self._update(rollout, self._rate * (1.0 - 0.9 * part))
+                self._update(rollout, self._settings.learning_rate * (1.0 - 0.9 * part))
                 done += self._settings.rollout * self._env.num_envs
                 elapsed = time.monotonic() - started
                 means = np.mean(self._ended, axis=0) if self._ended else (math.nan, math.nan)
@@ -216,8 +226,7 @@ class Ppo:
 
     def policy(self) -> Policy:
         """The policy as it is now."""
-        layers = self._actor.weights, self._actor.biases
-        weights, biases = ([array.copy() for array in arrays] for arrays in layers)
+        weights, biases = self._actor.layers()
         weights[0], biases[0] = self._scale.folded(weights[0], biases[0])
         return self._env.navigation.policy(weights, biases)
 
