@@ -147,6 +147,29 @@ def test_a_late_subscriber_gets_the_last_latched_message(server, peer):
     assert "odom" in frames
 
 
+def test_a_run_is_the_same_with_nodes(world, domain):
+    command = get("geometry_msgs/Twist")()
+    command.linear.x, command.angular.z = 0.5, 0.3
+
+    def poses(ros2):
+        with running(world, is_paused=True, ros2=ros2) as server:
+            server.graph.publish("/cmd_vel", command)
+            if ros2 is not None:
+                peer = Peer(domain)
+                reader = peer.reader("rt/scan", LaserScan, BEST_EFFORT)
+                transforms = peer.reader("rt/tf", Transforms)  # neither of them reads
+                when_subscribed(server, "/scan")
+                when_subscribed(server, "/tf")
+                assert reader != transforms
+            result = []
+            for _ in range(20):
+                step(server, 20)
+                result.append(server.manager.world.models["robot"].pose)
+            return result
+
+    assert poses("jazzy") == poses(None)
+
+
 def test_services_are_topics(server, peer):
     responses = peer.matched_reader("rt/flatland_server/service_response", String)
     wait_until(lambda: server.dds._graph._receivers, "the subscription")
