@@ -24,6 +24,7 @@ from dds_peer import (
     LATCHED,
     Header,
     LaserScan,
+    ModelList,
     Participant,
     Peer,
     String,
@@ -145,6 +146,20 @@ def test_a_late_subscriber_gets_the_last_latched_message(server, peer):
 
     assert [each.child_frame_id_ for each in next_of(second).transforms_] == frames
     assert "odom" in frames
+
+
+def test_a_subscriber_gets_the_present_message_after_others_have_gone(server, peer):
+    topic = "/flatland_server/models"
+    first = peer.reader(f"rt{topic}", ModelList, LATCHED)
+    assert [each.name_ for each in next_of(first).models_] == ["robot"]
+    del first
+    when_subscribed(server, topic, False)
+
+    kind = get_service("flatland_msgs/SpawnModel")
+    server.graph.call("/spawn_model", kind.request(yaml_path="robot.model.yaml", name="other"))
+    second = peer.reader(f"rt{topic}", ModelList, LATCHED)
+
+    assert [each.name_ for each in next_of(second).models_] == ["robot", "other"]
 
 
 def test_a_run_is_the_same_with_nodes(world, domain):
