@@ -71,7 +71,7 @@ class SimulatedGraph(Graph, Tap):
             ModelPublisher(manager, _VIEW_RATE),
             ModelMarkerPublisher(world, _VIEW_RATE, FRAME_ID),
             StatePublisher(manager),
-            MapToOdom(world),
+            MapToOdom(self._transport, lambda: world.odometry_frames),
         )
         files = _WorldsByName(world, state_folder or world.config.model_folders[0])
         ModelServices(world, self._host, files)
