@@ -1,8 +1,8 @@
 #pragma once
 
 /// Tells the processor to fetch memory, while it does something else. Environments are stepped one
-/// after the other, and what each has for itself comes from a far cache: to wait for it whenever it
-/// is used takes longer than the steps of Box2D.
+/// after the other, and what each has for itself comes from a far cache; it takes long to wait for
+/// it whenever it is used.
 
 #include <cstddef>
 
