@@ -22,6 +22,8 @@ from flatland_server.transport.arrivals import Arrival
 from flatland_server.transport.message_writer import MessageWriter
 from flatland_server.transport.node import Frames, Publisher, Subscription, Transport
 from flatland_server.transport.serialized_transforms import SerializedFrames, TransformQueue
+from flatland_server.transport.static_transforms import TOPIC as TF_STATIC
+from flatland_server.transport.static_transforms import StaticTransforms
 from flatland_server.transport.thread_calls import ThreadCalls
 
 logger = logging.getLogger(__name__)
@@ -64,6 +66,10 @@ class RosTransport(ThreadCalls, Transport):
         self._tf = rospy.Publisher(
             "/tf", TFMessage, self._subscriber_counter, queue_size=100, tcp_nodelay=True
         )
+        self._static_transforms = StaticTransforms(
+            lambda: rospy.Publisher(TF_STATIC, TFMessage, latch=True, queue_size=10),
+            lambda: None,  # `release` publishes them: a world that is reset is one change
+        )
 
     @property
     def node_name(self) -> str:
@@ -76,6 +82,8 @@ class RosTransport(ThreadCalls, Transport):
         self, topic: str, message_type: Any, *, latch: bool, queue_size: int
     ) -> Publisher:
         name = rospy.resolve_name(topic)
+        if name == rospy.resolve_name(TF_STATIC):
+            return self._static_transforms.advertise()
         # Publishers of a topic share what rospy has of it, and each would add the counter once
         # more: after a thousand resets, a subscriber would be counted a thousand times.
         counter = self._subscriber_counter if name not in self.publisher_counts else None
@@ -163,6 +171,8 @@ class RosTransport(ThreadCalls, Transport):
 
     def release(self) -> None:
         self._outbox.is_open = False
+        if self._static_transforms.is_changed:
+            self._static_transforms.publish()
         self.before_sending()
         self._outbox.send()
 
