@@ -47,9 +47,8 @@ REQUIREMENTS = (
 
 BACKLOG = 1024
 """Connections that may wait to be accepted; the system may allow fewer."""
-HANDSHAKE_LIMIT = 60.0
-"""Real time that a connection has to send its header [s]. A node that messages flood on its other
-connections, at full speed with a hundred robots, takes more than 10 s."""
+HANDSHAKE_LIMIT = 10.0
+"""Real time that a connection has to send its header [s]."""
 _LARGEST_HEADER = 1 << 20
 """Bytes. A subscriber's header holds the definition of the message's type."""
 _LENGTH = struct.Struct("<I")
