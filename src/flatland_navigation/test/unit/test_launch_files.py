@@ -68,8 +68,8 @@ GMAPPING = """inverted_laser throttle_scans base_frame map_frame odom_frame map_
     maxRange"""
 
 # Topics that nav.rviz shows: of the stack's pages, the navigator and the server.
-TOPICS = """/map scan initialpose amcl_pose particlecloud move_base_simple/goal move_base/current_goal
-    move_base/plan move_base/NavfnROS/plan move_base/DWAPlannerROS/local_plan
+TOPICS = """/map scan initialpose amcl_pose particlecloud move_base_simple/goal
+    move_base/current_goal move_base/plan move_base/NavfnROS/plan move_base/DWAPlannerROS/local_plan
     move_base/global_costmap/costmap move_base/local_costmap/costmap
     /flatland_server/debug/layer/map /flatland_server/debug/models"""
 

@@ -358,7 +358,7 @@ class PluginManager:
 
 def _overridden_hooks(plugin: Plugin) -> Dict[str, Hook]:
     """The hooks of a plugin that are not the empty ones of the base class, by name."""
-    return {name: getattr(plugin, name) for name in _overridden_names(type(plugin))}
+    return {name: getattr(plugin, name) for name in _overridden_names(type(plugin))}  # type: ignore[arg-type]
 
 
 @lru_cache(maxsize=256)
