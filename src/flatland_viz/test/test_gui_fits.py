@@ -59,6 +59,13 @@ class Looks:
     def has_selected_row(self, name):
         return near(self.panel(name)[0], SELECTED, 2).sum() > 1000
 
+    def has_toolbar(self, name, window):
+        """True if there is a toolbar between the menus and the view."""
+        pixels = self.screen.picture(name)
+        rows = near(pixels, self.background.background, 0).sum(axis=1) > 100
+        rows = slice(int(rows.argmax()), None)
+        return rows.start - self.screen.inside(window)[1] > self.screen.px(45)
+
     def has_pad(self, name):
         """True if the Drive panel is shown, with its knob."""
         return near(self.panel(name)[0], KNOB, 2).sum() > 300
@@ -98,7 +105,7 @@ def test_the_window_fits_and_remembers(open_window, screen, waiting):
     screen.key("alt+v", "b", "l" if kind.is_dark else "d")
     looks = Looks(screen, other)
     waiting(lambda: looks.has_background("fits_other"), "the other background", 30)
-    screen.key("ctrl+q")
+    screen.key("alt+F4")  # as by the button of its title bar
     screen.wait_until_closed(TITLE)
     assert program.wait(60) == 0
 
@@ -108,3 +115,10 @@ def test_the_window_fits_and_remembers(open_window, screen, waiting):
     waiting(lambda: looks.has_pad("fits_again"), "the pad to drive")
     left, top, right, bottom = screen.inside(window)
     assert (right - left, bottom - top) == SMALL
+    assert looks.has_toolbar("fits_again", window)
+
+    screen.key("alt+v", "t")
+    waiting(lambda: not looks.has_toolbar("fits_bare", window), "the toolbar to go")
+    screen.key("alt+v", "l")
+    waiting(lambda: looks.has_toolbar("fits_reset", window), "the toolbar of the first start")
+    waiting(lambda: not looks.has_pad("fits_reset"), "the first start's panels")

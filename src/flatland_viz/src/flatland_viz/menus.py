@@ -10,7 +10,14 @@ from typing import Any, Callable, List, Optional, Tuple
 
 from python_qt_binding.QtCore import QObject, Signal
 from python_qt_binding.QtGui import QKeySequence
-from python_qt_binding.QtWidgets import QAction, QActionGroup, QDockWidget, QMenu, QMenuBar
+from python_qt_binding.QtWidgets import (
+    QAction,
+    QActionGroup,
+    QDockWidget,
+    QMenu,
+    QMenuBar,
+    QToolBar,
+)
 
 from flatland_viz.recent_worlds import RecentMenu
 from flatland_viz.scene import BACKGROUNDS
@@ -50,6 +57,7 @@ class Menus(QObject):
     other_model_asked = Signal()
     screenshot_asked = Signal()
     reset_asked = Signal()
+    layout_reset_asked = Signal()
     quit_asked = Signal()
     pause_asked = Signal(bool)
     """True to pause, False to resume."""
@@ -186,8 +194,17 @@ class Menus(QObject):
             action.setChecked(name == "light")
             backgrounds.addAction(action)
         menu.addSeparator()
+        self._first_panel = docks[0].toggleViewAction()
         for dock in docks:
             menu.addAction(dock.toggleViewAction())
+        self._action(menu, "Reset &layout", "action_reset_layout", self.layout_reset_asked.emit)
+
+    def add_toolbar(self, toolbar: QToolBar) -> None:
+        """Adds an action that shows and hides a toolbar, above those of panels."""
+        action = toolbar.toggleViewAction()
+        action.setText("&Toolbar")
+        action.setObjectName("")  # its state is part of the layout
+        self.view.insertAction(self._first_panel, action)
 
     def _add_help_menu(self) -> None:
         menu = self._menu(self._bar, "&Help", "menu_help")

@@ -75,6 +75,7 @@ class Window(QMainWindow):
         self.addDockWidget(Qt.RightDockWidgetArea, self._drive)
         self._drive.hide()
         self._menus = Menus(self.menuBar(), [self._drive, *scene.docks], self._settings)
+        self._menus.add_toolbar(scene.toolbar)
         self._menus.enable_spawning(scene.can_spawn)
         self._ground_truth = GroundTruth(
             scene.models, self._line, self.menuBar().findChild(QMenu, "menu_simulation")
@@ -119,6 +120,9 @@ class Window(QMainWindow):
         menus.other_model_asked.connect(self._spawn_other)
         menus.screenshot_asked.connect(self._take_screenshot)
         menus.reset_asked.connect(scene.reset_view)
+        menus.layout_reset_asked.connect(
+            lambda: self._settings.reset_layout(self, self._scene.frame)
+        )
         menus.quit_asked.connect(self.close)
         menus.pause_asked.connect(lambda on: server.pause() if on else server.resume())
         menus.rate_chosen.connect(server.change_rate)
@@ -180,16 +184,18 @@ class Window(QMainWindow):
         return event.type() == QEvent.KeyPress and bool(event.modifiers() & _OTHER_KEYS)
 
     def closeEvent(self, event: QEvent) -> None:  # noqa: N802
-        """Ends the program, even if dialogs are open."""
+        """Saves the layout while the window is whole; ends the program, even if dialogs are open."""
+        self._settings.save_window(self, self._scene.frame)
         super().closeEvent(event)
         self._drive.stop()
         self.is_closed = True
         QApplication.quit()
 
     def finish(self) -> None:
-        """Remembers the window's place, size and panels, and stops a robot that it drives."""
+        """Stops a robot that it drives; saves the layout if it was not closed by the user."""
         self._drive.stop()
-        self._settings.save_window(self, self._scene.frame)
+        if not self.is_closed:
+            self._settings.save_window(self, self._scene.frame)
 
     def _show_error(self, what: str, why: str) -> None:
         box = QMessageBox(QMessageBox.Warning, "Flatland", what, QMessageBox.Close, self)
