@@ -6,6 +6,8 @@ from python_qt_binding.QtCore import QByteArray, QSettings
 from python_qt_binding.QtWidgets import QAction, QMainWindow, QMenu
 
 _SWITCHES = "switches"
+DARK = "action_background_dark"
+"""The switch for the dark look."""
 _LAYOUT = 1
 """Version of saved panels. Those of version 0 may lack the toolbar and panels: they were saved
 after the window had closed."""
@@ -37,6 +39,10 @@ class Settings:
     def set_list(self, key: str, value: List[str]) -> None:
         """Remembers a list of strings."""
         self._store.setValue(key, value)
+
+    def is_on(self, switch: str) -> bool:
+        """True if an action with this object name was checked last."""
+        return str(self._store.value(f"{_SWITCHES}/{switch}")) == "true"
 
     def follow_switches(self, menu: QMenu) -> None:
         """Restores the checked actions of a menu and its submenus, and remembers changes.
