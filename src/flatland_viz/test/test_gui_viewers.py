@@ -82,6 +82,10 @@ def crate(viewer):
 def test_the_office_is_shown(viewer):
     viewer.waiting(viewer.shows_office, "walls, robot, boxes and scan")
     assert viewer.view.scale > 40  # pixels per metre: it has zoomed
+    if viewer.kind == "window":  # walls are filled where the map is occupied: a pillar
+        (left, top), (right, bottom) = viewer.view.pixel(-0.3, 2.75), viewer.view.pixel(0.3, 2.15)
+        pillar = viewer.picture("office")[top:bottom, left:right]
+        assert near(pillar, viewer.walls, TOLERANCE).mean() > 0.8
 
 
 def test_the_office_is_shown_again_after_a_reset(viewer):

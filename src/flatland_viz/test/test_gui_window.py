@@ -72,6 +72,20 @@ def test_single_steps_and_several(paused):
     paused.wait_for_state(stamp=pytest.approx(before + 0.42))
 
 
+def test_clicks_on_the_status_line_pause_and_change_the_rate(window):
+    _, _, right, bottom = window.screen.inside(window.id)
+    row = bottom - window.screen.px(13)
+    state = (right - window.screen.px(100), row)
+    for is_paused in (True, False):
+        window.screen.click(state)
+        window.wait_for_state(paused=is_paused)
+        window.waiting(lambda p=is_paused: window.says("paused") == p, "the status line")
+    window.screen.click((right - window.screen.px(230), row))
+    window.wait_for_dialog("Change Rate")
+    window.screen.key("Escape")
+    window.screen.wait_until_closed("Change Rate")
+
+
 def test_the_timeline_goes_back_and_the_run_goes_on_from_there(window):
     window.ros.call("/reset", restart_time=True, new_seed=False, seed=0)
     window.waiting(lambda: window.ros.state()["stamp"] > 3.0, "three seconds")

@@ -5,7 +5,7 @@ from typing import Any, Dict, List, Optional, Set
 
 import yaml
 from python_qt_binding.QtCore import QObject, Qt, Signal
-from python_qt_binding.QtGui import QColor, QKeySequence
+from python_qt_binding.QtGui import QColor, QIcon, QKeySequence
 from python_qt_binding.QtWidgets import QDockWidget, QMenu, QToolBar, QWidget, QWidgetAction
 from rviz import bindings as rviz
 
@@ -70,6 +70,7 @@ class Scene(QObject):
     def _strip(self) -> None:
         """Hides all of rviz's own window but the toolbar and the view."""
         self.frame.setWindowFlags(Qt.Widget)
+        self.frame.setWindowIcon(QIcon())  # of the application, for the tools' dialogs, too
         self.frame.menuBar().hide()
         for menu in self.frame.menuBar().findChildren(QMenu):
             for action in menu.actions():

@@ -123,7 +123,6 @@ struct ModelMarks::Mark {
   QColor ring_color;
   FlatShape heading;
   NameLabel label;
-  std::size_t side = 0;   // of the label: below, above, to the right, to the left
   QColor color, outline;  // of the heading, as it is drawn
 };
 
@@ -163,9 +162,8 @@ void ModelMarks::Update(const WorldModels& models, const WorldPlane& world,
       mark->label.Set(QString::fromStdString(model->info.name), style);
 
       std::vector<QRectF> none;
-      is_shown =
-          PlaceLabel(*mark, *model, world, viewport, options, taken) ||
-          (importance(model) < 2 && PlaceLabel(*mark, *model, world, viewport, options, none));
+      is_shown = PlaceLabel(*mark, *model, world, viewport, options, taken) ||
+                 (is_selected && PlaceLabel(*mark, *model, world, viewport, options, none));
     }
     mark->label.SetVisible(is_shown);
   }
@@ -184,16 +182,14 @@ bool ModelMarks::PlaceLabel(Mark& mark, const WorldModel& model, const WorldPlan
   const Ogre::Vector2 seen = OnScreen(at, viewport);
   const QPointF middle(seen.x, -seen.y);
   const std::array<QPointF, 4> sides = {QPointF(0, down), {0, -down}, {aside, 0}, {-aside, 0}};
-  for (std::size_t i = 0; i < sides.size(); ++i) {
-    const std::size_t side = (mark.side + i) % sides.size();  // it stays where it was if it can
+  for (const QPointF& side : sides) {
     QRectF place(QPointF(), size);
-    place.moveCenter(middle + sides[side]);
+    place.moveCenter(middle + side);
     MoveIntoView(place, middle, viewport);
     if (std::any_of(taken.begin(), taken.end(),
                     [&](const QRectF& other) { return other.intersects(place); })) {
       continue;
     }
-    mark.side = side;
     const QPointF moved = place.center() - middle;
     mark.label.Place(at + scale.Offset(moved.x(), -moved.y()), viewport);
     taken.push_back(place);

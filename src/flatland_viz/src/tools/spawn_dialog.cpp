@@ -23,7 +23,7 @@ namespace flatland_viz {
 namespace {
 
 constexpr int kFileRole = Qt::UserRole;
-constexpr QSize kIcon(48, 48), kCell(104, 78);  // pixels
+constexpr QSize kIcon(48, 48), kCell(124, 78);  // pixels
 
 }  // namespace
 
@@ -50,7 +50,8 @@ SpawnDialog::SpawnDialog(QWidget* parent, const ModelChoice& choice, ModelFiles&
   list_->setIconSize(kIcon);
   list_->setGridSize(kCell);
   list_->setWordWrap(true);
-  list_->setMinimumSize(4 * kCell.width() + 24, kCell.height() + 8);
+  list_->setTextElideMode(Qt::ElideMiddle);
+  list_->setMinimumSize(3 * kCell.width() + 24, kCell.height() + 8);
   list_->setFocusPolicy(Qt::NoFocus);  // the field for the search moves the mark
   name_->setObjectName("name");
   namespace_->setObjectName("namespace");
@@ -100,7 +101,7 @@ SpawnDialog::SpawnDialog(QWidget* parent, const ModelChoice& choice, ModelFiles&
 
 QWidget* SpawnDialog::MakeSearchRow() {
   search_->setObjectName("file");
-  search_->setPlaceholderText("Part of a name, or the path of a model file");
+  search_->setPlaceholderText("Part of a name, or a path");
   search_->installEventFilter(this);
   auto* select = new QPushButton("&Other file...");
   select->setObjectName("select_file");
