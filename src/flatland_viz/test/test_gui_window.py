@@ -88,6 +88,8 @@ def test_clicks_on_the_status_line_pause_and_change_the_rate(window):
 
 def test_the_timeline_goes_back_and_the_run_goes_on_from_there(window):
     window.ros.call("/reset", restart_time=True, new_seed=False, seed=0)
+    # The state is sent five times a second: the next message may be of before the reset.
+    window.waiting(lambda: window.ros.state()["stamp"] < 2.0, "the beginning")
     window.waiting(lambda: window.ros.state()["stamp"] > 3.0, "three seconds")
     left, _, right, bottom = window.screen.inside(window.id)
     row = bottom - window.screen.px(27 + 14)  # above the status line
@@ -194,7 +196,7 @@ def test_a_second_robot_gets_a_name_and_a_namespace_of_its_own(window):
 
 
 def test_a_model_is_spawned_by_a_click_on_its_picture_and_a_press_a_drag_and_a_release(window):
-    window.key("alt+w", "s")  # the same palette as by its button and its key
+    window.key("alt+w", "p")  # the same palette as by its button and its key
     dialog = window.wait_for_dialog("Spawn Model")
 
     def picture():

@@ -102,7 +102,7 @@ class Menus(QObject):
         self._with_server = [opens, self._recent, reload, self.reset]
         menu.addSeparator()
         self._spawn = self._action(
-            menu, "&Spawn model...\tA", "action_spawn", self.spawn_asked.emit
+            menu, "S&pawn model...\tA", "action_spawn", self.spawn_asked.emit
         )
         menu.addSeparator()
         self._action(

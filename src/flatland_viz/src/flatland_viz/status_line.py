@@ -34,6 +34,9 @@ class _Field(QLabel):
         super().__init__()
         self._width = width
 
+    def mousePressEvent(self, event: Any) -> None:  # noqa: N802
+        """Takes the mouse until the release."""
+
     def mouseReleaseEvent(self, event: Any) -> None:  # noqa: N802
         """Takes clicks, as a button does."""
         if event.button() == Qt.LeftButton and self.rect().contains(event.pos()):
