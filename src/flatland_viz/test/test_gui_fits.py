@@ -53,7 +53,7 @@ class Looks:
     def row_of_robot(self, name):
         """The middle of the robot's dot in the list of models; None if it is not visible."""
         panel, begin = self.panel(name)
-        ys, xs = near(panel, FIRST_ROBOT, 10)  # its dot.nonzero()
+        ys, xs = near(panel, FIRST_ROBOT, 10).nonzero()
         return (begin + xs.mean(), ys.mean()) if len(xs) > 20 else None
 
     def is_all_alike(self, name):

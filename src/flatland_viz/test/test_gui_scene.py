@@ -205,14 +205,14 @@ def test_robots_are_seen_from_afar(window):
 def test_a_name_covers_no_neighbour(window):
     window.screen.move(window.map.pixel(4.0, -2.5))
     window.ros.call("/move_model", name="r2", pose={"x": -3.0, "y": -0.6, "theta": 0.0})
-    body = window.map.around(-3.0, -0.6, 0.12)
+    body, above = window.map.around(-3.0, -0.6, 0.12), window.map.around(-3.0, 0.64, 0.2)
 
     def is_free():
-        pixels = window.picture("neighbours")[body]
-        covered = near(pixels, window.screen.kind.plate, 3).sum()
-        return near(pixels, (51, 128, 204), 25).sum() > 100 and not covered
+        pixels = window.picture("neighbours")
+        covered, moved = (near(pixels[p], window.screen.kind.plate, 3).sum() for p in (body, above))
+        return moved > 100 and not covered
 
-    window.waiting(is_free, "the robot below another one", 20)
+    window.waiting(is_free, "the name above, since a robot is below", 20)
     window.ros.call("/move_model", name="r2", pose={"x": 0.0, "y": -1.5, "theta": 1.57})
 
 

@@ -2,28 +2,17 @@
 
 /// An rviz display for the bodies of models.
 
-#include <rviz/default_plugin/marker_display.h>
+#include <rviz/default_plugin/marker_array_display.h>
 
 namespace flatland_viz {
 
-/// Shows a MarkerArray, as rviz's own display does, but without a gap when simulated time goes
-/// back: rviz then discards all messages. This display subscribes again, and keeps the former
-/// markers until the server's answer replaces all of them in one frame.
-class BodiesDisplay : public rviz::MarkerDisplay {
+/// rviz's MarkerArray, without a gap when simulated time goes back: rviz then discards all markers,
+/// and has none until they are sent again. The server replaces all of them by one message.
+class BodiesDisplay : public rviz::MarkerArrayDisplay {
   Q_OBJECT
 
  public:
-  void reset() override;
-
- protected:
-  void onDisable() override;
-  void subscribe() override;
-  void unsubscribe() override;
-
- private:
-  void Receive(const visualization_msgs::MarkerArray::ConstPtr& markers);
-
-  bool is_of_former_run_ = false;  // what is shown
+  void reset() override { rviz::Display::reset(); }
 };
 
 }  // namespace flatland_viz
