@@ -220,14 +220,14 @@ def test_an_arrow_is_small_on_a_large_robot(window):
     u, v = window.map.pixel(-3.0, 0.0)
     window.screen.move((u, v))
     window.screen.xdotool("click", "--repeat", 20, "--delay", 30, 4)
-    reach = window.screen.px(45)
+    reach = window.screen.px(30)
 
     def arrow():
-        """Its columns and rows, once the robot's body fills the square around it."""
+        """Its rows and columns, once the robot's body fills the square around it."""
         part = window.picture("arrow")[v - reach : v + reach, u - reach : u + reach]
+        corners = np.concatenate([part[:5, :5], part[-5:, :5], part[:5, -5:], part[-5:, -5:]])
         is_arrow = near(part, FIRST_ROBOT, 25)
-        others = (~is_arrow & (part.max(axis=2) < 60)).sum()
-        return is_arrow.nonzero() if is_arrow.sum() > 100 and others < 50 else None
+        return is_arrow.nonzero() if near(corners, (51, 128, 204), 25).all() else None
 
     ys, xs = window.waiting(arrow, "the arrow", 20)
     assert max(np.ptp(xs), np.ptp(ys)) <= window.screen.px(28)
