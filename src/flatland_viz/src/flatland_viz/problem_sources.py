@@ -17,8 +17,9 @@ from flatland_viz.problems import frames_published_twice, shared_commands
 from flatland_viz.transform_warnings import TransformWarnings
 
 _SERVER = "flatland_server"
-_LASTS = "is switched off"
-"""Text of log messages that are left out: /diagnostics reports failed plugins, too."""
+_LEFT_OUT = ("is switched off", "incoming connection failed")
+"""Texts of log messages that are left out: /diagnostics reports failed plugins, too, and rospy logs
+an error if another program ends while it connects."""
 
 _FRAMES_PERIOD = 5.0  # s of real time
 _SAMPLE_TIME = 1.0  # s of real time: slow publishers of transforms send some 10 a second
@@ -62,7 +63,7 @@ class ProblemSources(QObject):
 
     def _on_log(self, message: Log) -> None:
         is_warning = message.name == rospy.resolve_name(_SERVER) and message.level >= Log.WARN
-        if is_warning and _LASTS not in message.msg:
+        if is_warning and not any(text in message.msg for text in _LEFT_OUT):
             stamp = message.header.stamp.to_sec()
             self._emit(self.logged, message.name, message.msg, message.level >= Log.ERROR, stamp, 1)
 

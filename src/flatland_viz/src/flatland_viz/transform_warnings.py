@@ -4,16 +4,18 @@ import ctypes
 import threading
 import time
 from contextlib import suppress
-from typing import Callable, Dict, List, NamedTuple
+from typing import Callable, Dict, List, NamedTuple, Optional
 
 _LIBRARY = "libflatland_viz_tools.so"
+_LEAST = 20
+"""The number of warnings that is reported first: a few come when simulated time begins again."""
 _REPORT_PERIOD = 1.0  # s of real time
 _EXPIRY = 10.0  # s of real time
 
 
 class _Warning(NamedTuple):
     unreported: int
-    reported_at: float
+    reported_at: Optional[float]
     came_at: float
 
 
@@ -21,8 +23,8 @@ class TransformWarnings:
     """Counts warnings from `start` on.
 
     Args:
-        report: called with a text and how often it has come since the last call, at once when it is
-            new and once a second at most, on any thread.
+        report: called with a text and how often it has come since the last call, once it has come
+            some times, and once a second at most, on any thread.
     """
 
     def __init__(self, report: Callable[[str, int], None]) -> None:
@@ -42,9 +44,12 @@ class TransformWarnings:
     def note(self, text: str, now: float) -> None:
         """Counts a warning that has come now [s]."""
         with self._lock:
-            before = self._warnings.get(text, _Warning(0, -_REPORT_PERIOD, now))
+            before = self._warnings.get(text, _Warning(0, None, now))
             count = before.unreported + 1
-            is_due = text not in self._warnings or now - before.reported_at >= _REPORT_PERIOD
+            if before.reported_at is None:
+                is_due = count >= _LEAST
+            else:
+                is_due = now - before.reported_at >= _REPORT_PERIOD
             self._warnings[text] = _Warning(
                 0 if is_due else count, now if is_due else before.reported_at, now
             )
