@@ -16,7 +16,7 @@ BOX = ROOT / "src" / "flatland_server" / "worlds" / "office" / "box.model.yaml"
 SIZE = (1296, 868)  # of the screen: the window, and room for a window manager's frame
 TOOLBAR = 90  # height [pixels]
 PORT = 11399
-ROBOT, SCAN = (51, 128, 204), (204, 0, 0)
+ROBOT, SCAN = (51, 128, 204), (213, 94, 0)
 LIMIT = 60.0  # s
 ZOOM_CLICKS = 11
 
@@ -135,10 +135,10 @@ def take_spawning(screen):
     screen.xdotool("type", "--delay", 5, BOX)
     screen.xdotool("key", "Return", "sleep", 1.5)
     screen.move(x + 120, y - 60)
-    screen.xdotool("click", 1)
+    screen.xdotool("mousedown", 1)
     screen.move(x + 160, y - 100)
     screen.save("spawn")
-    screen.xdotool("click", 1, "sleep", 1.5)
+    screen.xdotool("mouseup", 1, "sleep", 1.5)
     return x + 120, y - 60
 
 

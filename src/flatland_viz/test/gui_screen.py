@@ -12,10 +12,11 @@ from screen_pictures import Screenshots, near
 
 LIMIT = 60.0  # s: generous, for a loaded machine
 INTERVAL = 0.2  # s: screenshots take processor time from the programs under test
+FIRST_ROBOT = (213, 94, 0)  # colour of the first robot's arrow, ring and scan
 OFFICE_COLORS = (  # of the world's files and our rviz configuration; least number of pixels
     # An arrow is on the robot.
     ((194, 145, 87), 60),  # boxes
-    ((204, 0, 0), 150),  # scan
+    (FIRST_ROBOT, 150),  # scan
 )
 CLIPBOARD = """
 import sys

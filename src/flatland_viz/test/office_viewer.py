@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 import yaml
+from gui_screen import FIRST_ROBOT
 from screen_pictures import near
 
-WALLS, ROBOT, BOX, SCAN = (102, 102, 102), (51, 128, 204), (194, 145, 87), (204, 0, 0)
+WALLS, ROBOT, BOX, SCAN = (102, 102, 102), (51, 128, 204), (194, 145, 87), FIRST_ROBOT
 TOLERANCE = 40  # of a colour's channels
 LEAST_SCALE = 45  # pixels per metre, when it has zoomed
 ZOOM = 1.12  # of rviz, per click of the wheel

@@ -3,11 +3,12 @@
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 from screen_pictures import near
 from window_map import RoomMap
 
 KNOB = (60, 130, 196)  # colour of the pad's knob
-STATES = {"paused": (240, 196, 25), "no server": (198, 40, 40)}
+STATES = {"paused": (0, 114, 178), "no server": (198, 40, 40)}
 BADGE = {"warning": (240, 196, 25), "error": (198, 40, 40)}
 WORLDS = Path(__file__).resolve().parents[2] / "flatland_server" / "worlds"
 ROBOT = WORLDS / "office" / "turtlebot.model.yaml"
@@ -93,8 +94,8 @@ class RoomWindow:
     def has_hint(self):
         """True if the status line shows a hint or message, at its left end."""
         line, _ = self.status_line("window_hint")
-        left = line[:, self.screen.px(2) : self.screen.px(80)]
-        return (left.max(axis=2) < 100).sum() > 40
+        left = line[:, self.screen.px(2) : self.screen.px(80)].astype(int)
+        return (abs(left - np.median(left)).max(axis=2) > 80).sum() > 40
 
     def find_knob(self):
         """The middle of the Drive panel's pad at rest; None if it is not shown."""
@@ -137,5 +138,5 @@ class RoomWindow:
         self.waiting(lambda: self.is_drawn(dialog, name), "the list")
 
     def is_drawn(self, dialog, name):
-        """True if a dialog with a white list is drawn."""
-        return (self.screen.picture_of(dialog, name) > 250).all(axis=2).mean() > 0.3
+        """True if a dialog with a list is drawn."""
+        return near(self.screen.picture_of(dialog, name), self.screen.kind.paper, 3).mean() > 0.3

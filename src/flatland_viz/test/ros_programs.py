@@ -140,7 +140,11 @@ class Ros:
 
     def start_window(self, *arguments):
         """Start the window alone."""
-        return self.start_node("flatland_viz", "flatland_viz", *arguments)
+        return self.start(*self.window_command(), *arguments)
+
+    def window_command(self):
+        """The command that opens the window."""
+        return [executable("flatland_viz", "flatland_viz")]
 
     def wait_for_clock(self, program):
         """Wait until the simulation started by a program runs."""

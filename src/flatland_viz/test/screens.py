@@ -37,6 +37,11 @@ class ScreenKind(NamedTuple):
         """The colour behind names on the map."""
         return (35, 38, 42) if self.is_dark else (252, 252, 252)
 
+    @property
+    def paper(self) -> Color:
+        """The colour behind the text of lists and fields."""
+        return (30, 31, 34) if self.is_dark else (255, 255, 255)
+
     def mixed(self, color: Color, alpha: float) -> Color:
         """The visible colour of a transparent one on the background."""
         red, green, blue = (

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from gui_screen import FIRST_ROBOT
 from screen_pictures import near
 from screens import ScreenKind
 
@@ -11,7 +12,6 @@ pytestmark = pytest.mark.slow
 ROOM = Path(__file__).resolve().parents[2] / "flatland_server/worlds/test_room/world.yaml"
 TITLE = "Flatland - test_room/world.yaml"
 KNOB = (60, 130, 196)
-ROBOT = (204, 0, 0)  # of the dot in the list of models, of the first robot
 SELECTED = (70, 76, 84)
 SMALL = (1024, 660)  # pixels: at double size as few as a phone's
 
@@ -53,11 +53,22 @@ class Looks:
     def row_of_robot(self, name):
         """The middle of the robot's dot in the list of models; None if it is not visible."""
         panel, begin = self.panel(name)
-        ys, xs = near(panel, ROBOT, 10).nonzero()
+        ys, xs = near(panel, FIRST_ROBOT, 10).nonzero()
         return (begin + xs.mean(), ys.mean()) if len(xs) > 20 else None
+
+    def is_all_alike(self, name):
+        """True if the panels are dark with a dark view, and light with a light one."""
+        return (self.panel(name)[0].mean() < 100) == self.background.is_dark
 
     def has_selected_row(self, name):
         return near(self.panel(name)[0], SELECTED, 2).sum() > 1000
+
+    def has_toolbar(self, name, window):
+        """True if there is a toolbar between the menus and the view."""
+        pixels = self.screen.picture(name)
+        rows = near(pixels, self.background.background, 0).sum(axis=1) > 100
+        rows = slice(int(rows.argmax()), None)
+        return rows.start - self.screen.inside(window)[1] > self.screen.px(45)
 
     def has_pad(self, name):
         """True if the Drive panel is shown, with its knob."""
@@ -95,10 +106,11 @@ def test_the_window_fits_and_remembers(open_window, screen, waiting):
     screen.picture("fits_small")
 
     other = ScreenKind(kind.width, kind.height, kind.scale, not kind.is_dark)
-    screen.key("alt+v", "b", "l" if kind.is_dark else "d")
+    screen.key("alt+v", "c", "l" if kind.is_dark else "d")
     looks = Looks(screen, other)
     waiting(lambda: looks.has_background("fits_other"), "the other background", 30)
-    screen.key("ctrl+q")
+    waiting(lambda: looks.is_all_alike("fits_other"), "panels in the same look")
+    screen.key("alt+F4")  # as by the button of its title bar
     screen.wait_until_closed(TITLE)
     assert program.wait(60) == 0
 
@@ -108,3 +120,10 @@ def test_the_window_fits_and_remembers(open_window, screen, waiting):
     waiting(lambda: looks.has_pad("fits_again"), "the pad to drive")
     left, top, right, bottom = screen.inside(window)
     assert (right - left, bottom - top) == SMALL
+    assert looks.has_toolbar("fits_again", window)
+
+    screen.key("alt+v", "t")
+    waiting(lambda: not looks.has_toolbar("fits_bare", window), "the toolbar to go")
+    screen.key("alt+v", "l")
+    waiting(lambda: looks.has_toolbar("fits_reset", window), "the toolbar of the first start")
+    waiting(lambda: not looks.has_pad("fits_reset"), "the first start's panels")

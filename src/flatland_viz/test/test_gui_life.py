@@ -15,7 +15,6 @@ from screen_pictures import near
 pytestmark = pytest.mark.slow
 
 BOX = (194, 145, 87)
-SCAN = (204, 0, 0)
 NO_SERVER = (198, 40, 40)  # background of this state in the status line
 TITLE = "Flatland.*"
 TICKS = os.sysconf("SC_CLK_TCK")
@@ -122,6 +121,13 @@ def test_a_window_outlives_servers_and_a_server_windows(shown, ros, office, wait
     waiting(lambda: shown.boxes("life_crate") > boxes + 10, "a new model")
     assert ros.call("/delete_model", name="crate")["success"]
     waiting(lambda: shown.boxes("life_after") <= boxes, "the model to vanish")
+    assert shown.window.poll() is None
+
+    # A second one has a name of its own, and does not end the first. It needs no display for that.
+    second = ros.start("env", "DISPLAY=", *ros.window_command())
+    assert second.wait(60) == 0
+    assert "without a window" in ros.log(second)
+    time.sleep(0.2)  # a window that is told to end does so in 50 ms
     assert shown.window.poll() is None
 
     ros.end(shown.window, signal.SIGKILL)

@@ -1,14 +1,17 @@
 """The window's scene with several robots and no localiser: scans, the mouse, names, selection."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
+from gui_screen import FIRST_ROBOT
 from scene_window import CRATE, SceneWindow
 from screen_pictures import near
 
 pytestmark = pytest.mark.slow
 
+DOOR = Path(__file__).resolve().parents[3] / "examples/automatic_door/door.model.yaml"
 WORLD = """
 properties: {{}}
 layers: [{{name: room, map: {room}, color: [0.4, 0.4, 0.4, 1]}}]
@@ -21,7 +24,10 @@ GOALS = """
 import rospy
 from geometry_msgs.msg import PoseStamped
 rospy.init_node("goals", disable_rostime=True)
-rospy.Subscriber("/move_base_simple/goal", PoseStamped, lambda goal: print(goal, flush=True))
+for robot in ("/r2", "/r10"):
+    topic = robot + "/move_base_simple/goal"
+    note = lambda goal, robot: print(robot, "goes to", goal.pose.position, flush=True)
+    rospy.Subscriber(topic, PoseStamped, note, robot)
 rospy.spin()
 """
 
@@ -137,8 +143,8 @@ def test_a_drag_with_ctrl_rotates_the_map_about_the_middle(window):
     window.show_all()
 
 
-def test_tools_for_navigation_come_with_their_subscribers(window):
-    """2D Nav Goal is in the toolbar, by its key too, while something subscribes to goals."""
+def test_goals_go_to_the_selected_robot(window):
+    """2D Nav Goal is in the toolbar, by its key too, while a robot takes goals and is selected."""
 
     def toolbar():
         rows, columns = window.view
@@ -146,12 +152,16 @@ def test_tools_for_navigation_come_with_their_subscribers(window):
 
     before = toolbar()
     subscriber = window.ros.start("/usr/bin/python3", "-c", GOALS)
-    window.waiting(lambda: (toolbar() != before).any(), "the tool")
-    window.screen.focus(window.id)
-    window.screen.move(window.map.pixel(0.0, 1.0))
-    window.screen.key("g")
-    window.drag(window.map.pixel(1.0, 0.0), window.map.pixel(2.0, 0.0))
-    window.waiting(lambda: "position" in window.ros.log(subscriber), "a goal")
+    for robot, at in (("r2", (0.0, -1.5)), ("r10", (-3.0, 0.0))):
+        window.click(*at)
+        window.waiting(lambda: (toolbar() != before).any(), "the tool")
+        window.waiting(lambda r=robot: f"/{r}/scan" in window.subscriptions(), "the selection")
+        window.screen.move(window.map.pixel(0.0, 1.0))
+        window.screen.key("g")
+        window.drag(window.map.pixel(1.0, 0.0), window.map.pixel(2.0, 0.0))
+        goal = f"/{robot} goes to x: "
+        window.waiting(lambda goal=goal: goal in window.ros.log(subscriber), "its goal")
+    window.click(4.0, 0.5)
     window.ros.end(subscriber)
     window.waiting(lambda: (toolbar() == before).all(), "the tool to go")
 
@@ -164,7 +174,7 @@ def plate(window, name, x, y):
 
 def test_robots_have_names_and_headings_that_switches_hide(window):
     at_robot = window.map.around(-3.0, 0.0, 0.15)
-    red = lambda: near(window.picture("marks")[at_robot], (204, 0, 0), 20).sum()  # noqa: E731
+    red = lambda: near(window.picture("marks")[at_robot], FIRST_ROBOT, 20).sum()  # noqa: E731
     window.screen.move(window.map.pixel(4.0, -2.5))
     window.waiting(lambda: plate(window, "marks", -3.0, 0.0) > 100, "its name")
     assert red() > 40
@@ -185,11 +195,66 @@ def test_robots_are_seen_from_afar(window):
     window.screen.move(window.map.pixel(-3.0, 0.0))
     window.screen.xdotool("click", "--repeat", 20, "--delay", 30, 5)
     window.waiting(
-        lambda: near(window.picture("far")[window.view], (204, 0, 0), 20).sum() > 60,
+        lambda: near(window.picture("far")[window.view], FIRST_ROBOT, 20).sum() > 60,
         "an arrow of a few pixels",
         20,
     )
     window.show_all()
+
+
+def test_a_name_covers_no_neighbour(window):
+    window.screen.move(window.map.pixel(4.0, -2.5))
+    window.ros.call("/move_model", name="r2", pose={"x": -3.0, "y": -0.6, "theta": 0.0})
+    body, above = window.map.around(-3.0, -0.6, 0.12), window.map.around(-3.0, 0.64, 0.2)
+
+    def is_free():
+        pixels = window.picture("neighbours")
+        covered, moved = (near(pixels[p], window.screen.kind.plate, 3).sum() for p in (body, above))
+        return moved > 100 and not covered
+
+    window.waiting(is_free, "the name above, since a robot is below", 20)
+    window.ros.call("/move_model", name="r2", pose={"x": 0.0, "y": -1.5, "theta": 1.57})
+
+
+def test_an_arrow_is_small_on_a_large_robot(window):
+    u, v = window.map.pixel(-3.0, 0.0)
+    window.screen.move((u, v))
+    window.screen.xdotool("click", "--repeat", 20, "--delay", 30, 4)
+    reach = window.screen.px(30)
+
+    def arrow():
+        """Its rows and columns, once the robot's body fills the square around it."""
+        part = window.picture("arrow")[v - reach : v + reach, u - reach : u + reach]
+        corners = np.concatenate([part[:5, :5], part[-5:, :5], part[:5, -5:], part[-5:, -5:]])
+        is_arrow = near(part, FIRST_ROBOT, 25)
+        return is_arrow.nonzero() if near(corners, (51, 128, 204), 25).all() else None
+
+    ys, xs = window.waiting(arrow, "the arrow", 20)
+    assert max(np.ptp(xs), np.ptp(ys)) <= window.screen.px(28)
+    window.show_all()
+
+
+def test_a_door_is_no_robot(window):
+    window.ros.spawn(DOOR, "door", 3.0, 0.0)
+    around = window.map.around(3.0, 0.0, 1.0)
+    panel = lambda: near(window.picture("door")[around], (64, 140, 153), 25).sum()  # noqa: E731
+    window.waiting(lambda: panel() > 100, "the door")
+    window.screen.settled(panel, 0.5)
+    assert plate(window, "door", 3.0, 0.0) < 20  # robots have a name
+    window.ros.call("/delete_model", name="door")
+
+
+def test_a_distance_is_measured_on_the_floor(window):
+    around = window.map.around(2.5, -1.5, 1.2)
+    line = lambda: near(window.picture("measure")[around], (0, 114, 178), 15).sum()  # noqa: E731
+    before = line()
+    window.screen.focus(window.id)
+    window.screen.move(window.map.pixel(2.0, -2.0))
+    window.screen.key("n")
+    window.drag(window.map.pixel(2.0, -2.0), window.map.pixel(3.0, -1.0))
+    window.waiting(lambda: line() > before + 150, "the line and its length")
+    window.screen.key("Escape")
+    window.waiting(lambda: line() <= before, "their end")
 
 
 def test_what_is_under_the_mouse_has_a_ring_and_tells_its_state(window):

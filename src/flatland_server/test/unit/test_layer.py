@@ -54,6 +54,15 @@ def test_all_names_of_a_layer_are_collision_layers_and_the_first_identifies_it(m
         assert ranges.tolist() == pytest.approx([seen])
 
 
+def test_walls_of_images_and_grids_enclose_areas_and_lines_do_not(maps):
+    grid = "{grid: [[0, 1]], resolution: 1}"
+    loaded = maps.load(
+        world("{name: a, map: map.yaml}", "{name: b, map: wall.yaml}", f"{{name: c, map: {grid}}}")
+    )
+
+    assert [layer.config.encloses for layer in loaded.layers] == [True, False, True]
+
+
 def test_a_layer_without_a_map_has_no_walls_but_footprints_may_name_it(files):
     files.write(
         "two.model.yaml",

@@ -8,6 +8,7 @@ from typing import Iterable, List, NamedTuple, Tuple
 from flatland_teleop.natural_order import natural_key
 
 MARKERS = "rviz/MarkerArray"
+BODIES = "flatland_viz/Bodies"
 SCAN = "rviz/LaserScan"
 HANDLES = "rviz/InteractiveMarkers"
 WALLS = "flatland_viz/Walls"
@@ -16,7 +17,12 @@ FOOTPRINTS = "models"
 """The name of the display with the models' bodies."""
 SCAN_TYPE = "sensor_msgs/LaserScan"
 
-TOPIC_PROPERTIES = {MARKERS: "Marker Topic", SCAN: "Topic", HANDLES: "Update Topic", WALLS: "Topic"}
+TOPIC_PROPERTIES = {
+    BODIES: "Marker Topic",
+    SCAN: "Topic",
+    HANDLES: "Update Topic",
+    WALLS: "Topic",
+}
 """The name of the topic's property in rviz, by the class of a display."""
 
 
@@ -54,7 +60,7 @@ def wanted(debug: str, scans: Iterable[str]) -> List[Shown]:
     """
     return [
         Shown("layers", WALLS, walls_topic(debug)),
-        Shown(FOOTPRINTS, MARKERS, f"{debug}/models"),
+        Shown(FOOTPRINTS, BODIES, f"{debug}/models"),
         *(Shown(topic.lstrip("/"), SCAN, topic) for topic in scans),
     ]
 

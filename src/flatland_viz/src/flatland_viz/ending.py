@@ -3,11 +3,15 @@
 import ctypes
 import logging
 import os
+import signal
 import sys
 import threading
 import time
-from typing import Callable, List, NoReturn
+import xmlrpc.client
+from contextlib import suppress
+from typing import Any, Callable, List, NoReturn
 
+import rosgraph
 import rospy
 
 _LIBRARY = "libflatland_viz_tools.so"
@@ -43,6 +47,30 @@ def _rviz_node() -> None:
     except OSError:
         return  # a broken installation, which was logged when the window opened
     library.flatland_viz_shut_down_roscpp()
+
+
+def end_launch(server: Callable[[], None]) -> None:
+    """Ends the roslaunch that has started this process, as Ctrl-C does; without one, the server.
+
+    A server that ended first would be a "REQUIRED process" that "has died" to roslaunch.
+    """
+    launch = os.getppid()
+    if launch in _launches():
+        os.kill(launch, signal.SIGINT)
+    else:
+        server()
+
+
+def _launches() -> List[int]:
+    """The process ids of the roslaunch processes of this master, on any machine."""
+    found: List[int] = []
+    with suppress(OSError, xmlrpc.client.Error, rosgraph.MasterException):
+        uris = rosgraph.Master(rospy.get_name()).getParam("/roslaunch/uris")
+        for uri in uris.values():
+            with suppress(OSError, xmlrpc.client.Error):  # it has ended
+                answer: Any = xmlrpc.client.ServerProxy(uri).get_pid()
+                found.append(answer[2])
+    return found
 
 
 def leave() -> NoReturn:

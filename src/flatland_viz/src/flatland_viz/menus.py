@@ -5,18 +5,23 @@ A key after a tab in an action's text belongs to a tool of rviz, and is only sho
 
 import math
 from functools import partial
-from pathlib import Path
 from typing import Any, Callable, List, Optional, Tuple
 
 from python_qt_binding.QtCore import QObject, Signal
 from python_qt_binding.QtGui import QKeySequence
-from python_qt_binding.QtWidgets import QAction, QActionGroup, QDockWidget, QMenu, QMenuBar
+from python_qt_binding.QtWidgets import (
+    QAction,
+    QActionGroup,
+    QDockWidget,
+    QMenu,
+    QMenuBar,
+    QToolBar,
+)
 
 from flatland_viz.recent_worlds import RecentMenu
 from flatland_viz.scene import BACKGROUNDS
 from flatland_viz.settings import Settings
 from flatland_viz.status import Simulation
-from flatland_viz.world_files import label, model_files
 
 _RATES = (0.1, 0.5, 1.0, 2.0, 5.0, 10.0, math.inf)
 
@@ -46,10 +51,10 @@ class Menus(QObject):
     seek_asked = Signal(float)
     """Step within the history [s]; negative ones go back."""
     keys_asked = Signal()
-    model_chosen = Signal(str)
-    other_model_asked = Signal()
+    spawn_asked = Signal()
     screenshot_asked = Signal()
     reset_asked = Signal()
+    layout_reset_asked = Signal()
     quit_asked = Signal()
     pause_asked = Signal(bool)
     """True to pause, False to resume."""
@@ -59,7 +64,6 @@ class Menus(QObject):
     def __init__(self, bar: QMenuBar, docks: List[QDockWidget], settings: Settings) -> None:
         super().__init__(bar)
         self._bar = bar
-        self._world: Optional[Path] = None
         self._recent = RecentMenu(settings)
         self._add_world_menu()
         self._add_simulation_menu()
@@ -97,14 +101,8 @@ class Menus(QObject):
         self.reset.setToolTip("Start again: the world as it was loaded, at time 0 (Ctrl+R)")
         self._with_server = [opens, self._recent, reload, self.reset]
         menu.addSeparator()
-        self._models = self._menu(menu, "&Spawn model", "menu_spawn")
-        self._models.aboutToShow.connect(self._list_models)
-        self._other_model = self._action(
-            menu,
-            "Spawn &other...",
-            "action_spawn_other",
-            self.other_model_asked.emit,
-            "Ctrl+Shift+O",
+        self._spawn = self._action(
+            menu, "S&pawn model...\tA", "action_spawn", self.spawn_asked.emit
         )
         menu.addSeparator()
         self._action(
@@ -119,20 +117,6 @@ class Menus(QObject):
         )
         menu.addSeparator()
         self._action(menu, "&Quit", "action_quit", self.quit_asked.emit, "Ctrl+Q")
-
-    def _list_models(self) -> None:
-        self._models.clear()
-        for file in model_files(self._world) if self._world else []:
-            name = label(file)
-            action = self._action(
-                self._models,
-                name.replace("&", "&&"),
-                f"action_spawn_{name}",
-                partial(self.model_chosen.emit, str(file)),
-            )
-            action.setToolTip(str(file))
-        if self._models.isEmpty():
-            self._models.addAction("no models beside the world's file").setEnabled(False)
 
     def _add_simulation_menu(self) -> None:
         self._simulation = self._menu(self._bar, "&Simulation", "menu_simulation")
@@ -174,7 +158,7 @@ class Menus(QObject):
     def _add_view_menu(self, docks: List[QDockWidget]) -> None:
         self.view = menu = self._menu(self._bar, "&View", "menu_view")
         backgrounds = QActionGroup(menu)
-        choices = self._menu(menu, "&Background", "menu_background")
+        choices = self._menu(menu, "&Colours", "menu_background")
         for name in BACKGROUNDS:
             action = self._action(
                 choices,
@@ -186,8 +170,17 @@ class Menus(QObject):
             action.setChecked(name == "light")
             backgrounds.addAction(action)
         menu.addSeparator()
+        self._first_panel = docks[0].toggleViewAction()
         for dock in docks:
             menu.addAction(dock.toggleViewAction())
+        self._action(menu, "Reset &layout", "action_reset_layout", self.layout_reset_asked.emit)
+
+    def add_toolbar(self, toolbar: QToolBar) -> None:
+        """Adds an action that shows and hides a toolbar, above those of panels."""
+        action = toolbar.toggleViewAction()
+        action.setText("&Toolbar")
+        action.setObjectName("")  # its state is part of the layout
+        self.view.insertAction(self._first_panel, action)
 
     def _add_help_menu(self) -> None:
         menu = self._menu(self._bar, "&Help", "menu_help")
@@ -200,8 +193,7 @@ class Menus(QObject):
         return [(action.text().replace("&", ""), action.menu()) for action in actions]
 
     def set_world(self, path: str) -> None:
-        """Sets the world's file, which determines the models to choose from."""
-        self._world = Path(path)
+        """Sets the world's file."""
         self._recent.add(path)
 
     def show_simulation(self, simulation: Optional[Simulation]) -> None:
@@ -224,5 +216,4 @@ class Menus(QObject):
 
     def enable_spawning(self, can_spawn: bool) -> None:
         """Enables or disables spawning."""
-        self._models.setEnabled(can_spawn)
-        self._other_model.setEnabled(can_spawn)
+        self._spawn.setEnabled(can_spawn)

@@ -9,7 +9,7 @@ from python_qt_binding.QtGui import QCursor, QKeySequence
 from python_qt_binding.QtWidgets import QAction, QApplication, QDialog, QMenu, QWidget
 
 from flatland_viz.interaction import Interaction
-from flatland_viz.model_list import Model, free_name
+from flatland_viz.model_list import Model, free_name, namespace_of_copy
 from flatland_viz.move_dialog import MoveDialog
 from flatland_viz.selection import Selection
 from flatland_viz.server import Pose, Server
@@ -32,6 +32,8 @@ class ModelActions(QObject):
 
     hint = Signal(str)
     """A message about a finished action."""
+    followed = Signal(str)
+    """The name of the model that the view follows now; empty if it follows none."""
 
     def __init__(
         self,
@@ -130,13 +132,16 @@ class ModelActions(QObject):
     def _set_followed(self, name: str) -> None:
         self._followed = name
         self._follow_model(name)
+        self.followed.emit(name)
         self._show()
 
     def _toggle_follow(self) -> None:
         name = self._selection.name
         self._set_followed("" if name == self._followed else name)
-        if self._followed:
-            self.hint.emit(f"The view follows {name}.")
+
+    def end_following(self) -> None:
+        """Leaves the view where it is."""
+        self._set_followed("")
 
     def _drive(self) -> None:
         self._selection.drive_asked.emit(self._selection.name)
@@ -170,11 +175,7 @@ class ModelActions(QObject):
         if model is None or pose is None:
             return
         name = free_name(model.name, self._models)
-        namespace = ""
-        if model.namespace:
-            namespace = free_name(
-                model.namespace, [other.namespace for other in self._models.values()]
-            )
+        namespace = namespace_of_copy(model, name, self._models.values())
         by = model.size + _GAP  # to the right of its heading
         x = pose[0] + by * math.sin(pose[2])
         y = pose[1] - by * math.cos(pose[2])

@@ -92,6 +92,22 @@ def free_name(wanted: str, taken: Iterable[str]) -> str:
     return f"{stem}{number}"
 
 
+def namespace_of_copy(model: Model, name: str, models: Iterable[Model]) -> str:
+    """The namespace of a copy, in which it shares no topics and frames with any of the models.
+
+    Args:
+        model: the original. Without plugins, hence topics and frames, it needs no namespace.
+        name: of the copy, from which its namespace follows if the original has none.
+        models: all models in the world.
+    """
+    if not model.plugins and not model.namespace:
+        return ""
+    wanted = model.namespace or re.sub(r"\W", "_", name, flags=re.ASCII)
+    if not wanted[0].isalpha():
+        wanted = f"m{wanted}"  # as ROS demands of names
+    return free_name(wanted, [other.namespace for other in models])
+
+
 def sorted_topics(topics: Iterable[Topic]) -> List[Topic]:
     """Topics in natural order, published ones first."""
     return sorted(topics, key=lambda topic: (not topic.is_published, natural_key(topic.name)))

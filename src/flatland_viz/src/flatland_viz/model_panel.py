@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, Dict, List, Optional
 
 from python_qt_binding.QtCore import QSize, Qt, QTimer
-from python_qt_binding.QtGui import QColor, QIcon, QPainter, QPalette, QPixmap
+from python_qt_binding.QtGui import QColor, QIcon, QKeySequence, QPainter, QPalette, QPixmap
 from python_qt_binding.QtWidgets import (
     QDockWidget,
     QFormLayout,
@@ -13,9 +13,11 @@ from python_qt_binding.QtWidgets import (
     QGridLayout,
     QHeaderView,
     QLabel,
+    QLineEdit,
     QListWidget,
     QListWidgetItem,
     QScrollArea,
+    QShortcut,
     QSizePolicy,
     QToolButton,
     QTreeWidget,
@@ -25,7 +27,7 @@ from python_qt_binding.QtWidgets import (
 )
 
 from flatland_viz.interaction import Interaction
-from flatland_viz.labels import ElidedLabel, SelectableLabel
+from flatland_viz.labels import ElidedLabel, QuietLabel, SelectableLabel, quiet
 from flatland_viz.model_actions import ModelActions
 from flatland_viz.model_list import Model, Topic, sorted_topics
 from flatland_viz.selection import Selection
@@ -62,6 +64,12 @@ class ModelPanel(QDockWidget):
         self._time = 0.0
         self._monitor = TopicMonitor()
         self._list = QListWidget(objectName="model_list")
+        self._search = QLineEdit(objectName="model_search", placeholderText="Search (Ctrl+F)")
+        self._search.setClearButtonEnabled(True)
+        self._search.setFocusPolicy(Qt.ClickFocus)  # keys without modifiers are the window's
+        self._search.textChanged.connect(self._filter)
+        self._search.returnPressed.connect(self._choose_first)
+        QShortcut(QKeySequence.Find, self, self._search.setFocus)
         self._list.setUniformItemSizes(True)
         self._list.setTextElideMode(Qt.ElideMiddle)  # names of a fleet differ at their ends
         self._list.setIconSize(QSize(_DOT, _DOT))
@@ -78,6 +86,7 @@ class ModelPanel(QDockWidget):
         content = QWidget()
         column = QVBoxLayout(content)
         column.setContentsMargins(6, 4, 6, 6)
+        column.addWidget(self._search)
         column.addWidget(self._list, 2)
         column.addWidget(area, 5)
         left, _, right, _ = column.getContentsMargins()
@@ -118,6 +127,21 @@ class ModelPanel(QDockWidget):
             if name == self._selection.name:
                 self._list.setCurrentItem(item)
         self._list.blockSignals(False)
+        self._filter()
+
+    def _filter(self) -> None:
+        """Shows the models with the text of the search in their names."""
+        text = self._search.text().strip().casefold()
+        for row in range(self._list.count()):
+            self._list.setRowHidden(row, text not in self._list.item(row).text().casefold())
+
+    def _choose_first(self) -> None:
+        """Selects the first model that the search has found."""
+        rows = range(self._list.count())
+        found = next((row for row in rows if not self._list.isRowHidden(row)), None)
+        if found is not None:
+            self._selection.select(self._list.item(found).text())
+        self._search.clearFocus()
 
     def _on_chosen(self, item: Optional[QListWidgetItem]) -> None:
         self._selection.select(item.text() if item is not None else "")
@@ -149,9 +173,9 @@ class _Details(QWidget):
         super().__init__()
         column = QVBoxLayout(self)
         column.setContentsMargins(0, _MARGIN, 0, 0)
-        self._empty = QLabel("Click a model on the map or in the list.", objectName="model_none")
+        self._empty = QuietLabel("Click a model on the map or in the list.")
+        self._empty.setObjectName("model_none")
         self._empty.setWordWrap(True)
-        _make_quiet(self._empty)
         self._empty.setAlignment(Qt.AlignTop | Qt.AlignLeft)
         self._content = QWidget()
         column.addWidget(self._empty, 1)
@@ -195,9 +219,7 @@ class _Details(QWidget):
         field = SelectableLabel(objectName=name)
         field.setWordWrap(True)
         field.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Preferred)  # never widens the panel
-        caption = QLabel(text)
-        _make_quiet(caption)
-        self._form.addRow(caption, field)
+        self._form.addRow(QuietLabel(text), field)
         return field
 
     @property
@@ -252,24 +274,11 @@ class _Details(QWidget):
             if not value:
                 return
             line = QTreeWidgetItem(item)
-            line.setForeground(0, _quiet(self._topics.palette().color(QPalette.Text)))
             item.setExpanded(True)
             line.setFirstColumnSpanned(True)
+        item.child(0).setForeground(0, quiet(self._topics.palette().color(QPalette.Text)))
         item.child(0).setText(0, value)
         item.child(0).setToolTip(0, value)
-
-
-def _make_quiet(text: QLabel) -> None:
-    """Gives a text a muted colour, for light and dark backgrounds."""
-    palette = text.palette()
-    palette.setColor(QPalette.WindowText, _quiet(palette.color(QPalette.WindowText)))
-    text.setPalette(palette)
-
-
-def _quiet(color: QColor) -> QColor:
-    quiet = QColor(color)
-    quiet.setAlphaF(0.62)
-    return quiet
 
 
 def _buttons(actions: ModelActions) -> QGridLayout:

@@ -44,6 +44,8 @@ class ModelWorkbench(QObject):
         interaction = Interaction(scene.interact_tool, selection)
         self._actions = ModelActions(window, server, selection, interaction, scene.follow)
         self._actions.hint.connect(line.show_hint)
+        self._actions.followed.connect(line.show_followed)
+        line.following_ended.connect(self._actions.end_following)
         self.panel = ModelPanel(selection, interaction, self._actions)
         window.addDockWidget(Qt.RightDockWidgetArea, self.panel)
         self._interaction = interaction

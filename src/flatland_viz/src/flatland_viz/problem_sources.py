@@ -14,14 +14,17 @@ from tf2_msgs.msg import TFMessage
 from flatland_viz.drive_robots import robots_of
 from flatland_viz.model_list import Model
 from flatland_viz.problems import frames_published_twice, shared_commands
+from flatland_viz.transform_warnings import TransformWarnings
 
 _SERVER = "flatland_server"
-_LASTS = "is switched off"
-"""Text of log messages that are left out: /diagnostics reports failed plugins, too."""
+_LEFT_OUT = ("is switched off", "incoming connection failed")
+"""Texts of log messages that are left out: /diagnostics reports failed plugins, too, and rospy logs
+an error if another program ends while it connects."""
 
 _FRAMES_PERIOD = 5.0  # s of real time
 _SAMPLE_TIME = 1.0  # s of real time: slow publishers of transforms send some 10 a second
 _TRANSFORMS = ("/tf", "/tf_static")
+_TRANSFORM_SOURCE = "transforms"
 
 
 class ProblemSources(QObject):
@@ -30,19 +33,28 @@ class ProblemSources(QObject):
     The log is not latched: start this before the server loads a world, to see its messages.
     """
 
-    logged = Signal(str, str, bool, float)
-    """An event: source, text, whether it is an error, and its simulated time [s]."""
+    logged = Signal(str, str, bool, float, int)
+    """An event: source, text, whether it is an error, its simulated time [s], and how often."""
+    ended = Signal(str, str)
+    """Events with this source and text come no more."""
     lasts = Signal(str, object, float)
     """The states of a group, as `Problems.report` takes them."""
 
     def __init__(self) -> None:
         super().__init__()
         self._closed = threading.Event()
+        self._groups: Dict[str, str] = {}  # of diagnostics, by their nodes
+        self._warnings = TransformWarnings(
+            lambda text, times: self._emit(
+                self.logged, _TRANSFORM_SOURCE, text, False, rospy.get_time(), times
+            )
+        )
 
     def start(self) -> None:
         """Subscribes. Connect the signals before, or in the same event of Qt's loop."""
         rospy.Subscriber("/rosout", Log, self._on_log, queue_size=100)
         rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=10)
+        self._warnings.start()
         threading.Thread(target=self._watch_frames, name="frames", daemon=True).start()
 
     def close(self) -> None:
@@ -51,9 +63,9 @@ class ProblemSources(QObject):
 
     def _on_log(self, message: Log) -> None:
         is_warning = message.name == rospy.resolve_name(_SERVER) and message.level >= Log.WARN
-        if is_warning and _LASTS not in message.msg:
+        if is_warning and not any(text in message.msg for text in _LEFT_OUT):
             stamp = message.header.stamp.to_sec()
-            self._emit(self.logged, message.name, message.msg, message.level >= Log.ERROR, stamp)
+            self._emit(self.logged, message.name, message.msg, message.level >= Log.ERROR, stamp, 1)
 
     def check_models(self, models: Dict[str, Model]) -> None:
         """Reports robots that share a topic of commands."""
@@ -68,19 +80,33 @@ class ProblemSources(QObject):
             for status in message.status
             if status.level > DiagnosticStatus.OK
         ]
-        self._emit(self.lasts, _group(message), states, message.header.stamp.to_sec())
+        node = message._connection_header["callerid"]
+        self._groups[node] = f"/diagnostics of {node}"
+        self._emit(self.lasts, self._groups[node], states, message.header.stamp.to_sec())
+
+    def _end_diagnostics(self, nodes: Set[str]) -> None:
+        """Ends the states of nodes that have ended.
+
+        Args:
+            nodes: those that publish diagnostics now.
+        """
+        for node in self._groups.keys() - nodes:
+            self._emit(self.lasts, self._groups.pop(node), [], rospy.get_time())
 
     def _watch_frames(self) -> None:
-        """Samples transforms periodically if several nodes publish some."""
+        """Asks the master periodically for nodes; samples transforms if several publish some."""
         master = rosgraph.Master(rospy.get_name())
         while not self._closed.wait(_FRAMES_PERIOD):
             try:
                 published, _, _ = master.getSystemState()
             except (OSError, xmlrpc.client.Error, rosgraph.MasterException):
                 continue  # there is no master now
+            for text in self._warnings.expired():
+                self._emit(self.ended, _TRANSFORM_SOURCE, text)
+            self._end_diagnostics(set(dict(published).get("/diagnostics", ())))
             nodes = {node for topic, names in published if topic in _TRANSFORMS for node in names}
             seen = self._sample_frames() if len(nodes) > 1 else set()
-            states = [("transforms", text, False) for text in frames_published_twice(seen)]
+            states = [(_TRANSFORM_SOURCE, text, False) for text in frames_published_twice(seen)]
             self._emit(self.lasts, "frames", states, rospy.get_time())
 
     def _sample_frames(self) -> Set[Tuple[str, str, str]]:
@@ -101,7 +127,3 @@ class ProblemSources(QObject):
     def _emit(self, signal: Any, *values: Any) -> None:
         if not self._closed.is_set():
             signal.emit(*values)
-
-
-def _group(message: Any) -> str:
-    return f"/diagnostics of {message._connection_header['callerid']}"

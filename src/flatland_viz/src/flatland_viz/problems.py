@@ -1,6 +1,6 @@
 """The problems reported to the window, each once, with a count."""
 
-from typing import Dict, Iterable, List, NamedTuple, Sequence, Set, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Optional, Pattern, Sequence, Set, Tuple
 
 from flatland_viz.drive_robots import Robot
 
@@ -31,10 +31,10 @@ class Problems:
         self._problems: Dict[Key, Problem] = {}  # the latest last
         self._lasting: Dict[str, Set[Key]] = {}  # by the group that reports them
 
-    def add(self, source: str, text: str, is_error: bool, time: float) -> None:
-        """Counts an event."""
+    def add(self, source: str, text: str, is_error: bool, time: float, times: int = 1) -> None:
+        """Counts an event, or so many."""
         before = self._problems.pop((source, text), None)
-        times = before.times + 1 if before else 1
+        times += before.times if before else 0
         self._problems[source, text] = Problem(source, text, is_error, times, time)
 
     def report(self, group: str, states: Iterable[Tuple[str, str, bool]], time: float) -> None:
@@ -52,6 +52,17 @@ class Problems:
         for key in present.keys() - former:
             self._problems[key] = Problem(*key, present[key], 1, time)
         self._lasting[group] = set(present)
+
+    def end(self, source: str, text: str) -> None:
+        """Removes an event."""
+        self._problems.pop((source, text), None)
+
+    def forget_events(self, text: Optional[Pattern[str]] = None) -> None:
+        """Removes events, whose cause is gone; with a pattern, only those with a matching text."""
+        lasting = set().union(*self._lasting.values())
+        for key in self._problems.keys() - lasting:
+            if text is None or text.search(key[1]):
+                del self._problems[key]
 
     def clear(self) -> None:
         """Removes all problems."""

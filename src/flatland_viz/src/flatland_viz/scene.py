@@ -5,7 +5,7 @@ from typing import Any, Dict, List, Optional, Set
 
 import yaml
 from python_qt_binding.QtCore import QObject, Qt, Signal
-from python_qt_binding.QtGui import QColor, QKeySequence
+from python_qt_binding.QtGui import QColor, QIcon, QKeySequence
 from python_qt_binding.QtWidgets import QDockWidget, QMenu, QToolBar, QWidget, QWidgetAction
 from rviz import bindings as rviz
 
@@ -20,6 +20,7 @@ BACKGROUNDS = {"light": ("#eeeeec", 0.3), "dark": ("#121316", 0.15)}
 """Background colour and opacity of the grid, by name; grey walls stand out on both."""
 _VIEW = ("X", "Y", "Scale", "Angle")
 SPAWN_TOOL = "flatland_viz/SpawnModel"
+RATE_TOOL = "flatland_viz/ChangeRate"
 
 
 class Scene(QObject):
@@ -32,6 +33,8 @@ class Scene(QObject):
 
     walls_progress = Signal(int)
     """Percent of the walls that are shown."""
+    whole = Signal()
+    """Walls and models are there, and framed."""
 
     def __init__(self, base: Config, frame_rate: int) -> None:
         super().__init__()
@@ -67,6 +70,7 @@ class Scene(QObject):
     def _strip(self) -> None:
         """Hides all of rviz's own window but the toolbar and the view."""
         self.frame.setWindowFlags(Qt.Widget)
+        self.frame.setWindowIcon(QIcon())  # of the application, for the tools' dialogs, too
         self.frame.menuBar().hide()
         for menu in self.frame.menuBar().findChildren(QMenu):
             for action in menu.actions():
@@ -161,15 +165,10 @@ class Scene(QObject):
     def begin_again(self) -> None:
         """Discards the displayed data of a previous run, and subscribes again."""
         self._manager.resetTime()
-        for shown, display in self._displays.items():
-            if display.isEnabled() and shown.kind != WALLS:  # rviz does not discard walls
-                display.setEnabled(False)
-                display.setEnabled(True)
 
     def _on_walls(self, walls: Optional[Bounds]) -> None:
         self._walls = walls
-        self._measure()
-        self.follow_size()
+        self._frame_world()
 
     def _on_model_bounds(self) -> None:
         """Frames new models; the view does not follow moving ones."""
@@ -178,8 +177,13 @@ class Scene(QObject):
             self._are_models_new = True
         elif self._are_models_new:
             self._are_models_new = False
-            self._measure()
-            self.follow_size()
+            self._frame_world()
+
+    def _frame_world(self) -> None:
+        self._measure()
+        self.follow_size()
+        if self._walls is not None and not self._are_models_new:
+            self.whole.emit()
 
     def _measure(self) -> None:
         """Determines the extent of the world as it is now."""
@@ -258,14 +262,18 @@ class Scene(QObject):
         tool = self._tool(SPAWN_TOOL)
         return tool is not None and _child(tool.getPropertyContainer(), "Model File") is not None
 
-    def spawn(self, model: str) -> None:
-        """Starts the tool that spawns models, with this file."""
-        tool = self._tool(SPAWN_TOOL)
-        self._tools.setCurrentTool(self._tools.getDefaultTool())  # cancels a spawn in progress
-        properties = tool.getPropertyContainer()
-        properties.subProp("Model File").setValue(model)
-        properties.subProp("Name").setValue("")  # it follows from the file
-        self._tools.setCurrentTool(tool)
+    def spawn(self) -> None:
+        """Opens the palette of the tool that spawns models."""
+        self.use_tool(SPAWN_TOOL)
+
+    def use_tool(self, class_id: str) -> None:
+        """Begins to use a tool."""
+        self.leave_tool()
+        self._tools.setCurrentTool(self._tool(class_id))
+
+    def leave_tool(self) -> None:
+        """Ends what a tool does, as Escape in the view does."""
+        self._tools.setCurrentTool(self._tools.getDefaultTool())
 
 
 def _child(parent: Any, name: str) -> Any:

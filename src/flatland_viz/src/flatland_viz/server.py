@@ -8,7 +8,7 @@ import threading
 import time
 import xmlrpc.client
 from contextlib import suppress
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, FrozenSet, List, Optional, Tuple, Union
 
 import rosgraph
 import rospy
@@ -31,7 +31,7 @@ from std_srvs.srv import Empty, Trigger
 from flatland_viz.displays import laser_scans
 from flatland_viz.error_text import error_text
 from flatland_viz.model_list import Model, models_of
-from flatland_viz.navigation_tools import NavigationTool, wanted_tools
+from flatland_viz.navigation_tools import goal_topics
 from flatland_viz.status import Simulation
 
 Pose = Tuple[float, float, float]
@@ -47,10 +47,12 @@ class Server(QObject):
 
     simulation_changed = Signal(object)
     """A status.Simulation, five times a second."""
+    runs = Signal()
+    """The first message about the simulation has come."""
     scans_changed = Signal(object)
     """The topics of all laser scans; emitted once at the start even if there are none."""
     navigation_changed = Signal(object)
-    """The NavigationTools that have subscribers."""
+    """The topics of goals and initial poses that have subscribers, in any namespace."""
     publishers_changed = Signal(object)
     """The names of the nodes that publish a topic, but this one, by topic."""
     world_changed = Signal(str)
@@ -65,6 +67,8 @@ class Server(QObject):
     """A refused change of world: a title, and the reason, which may have many lines."""
     done = Signal(str)
     """A message about a successful service call."""
+    renewed = Signal()
+    """The world was reset or loaded by this window."""
     _succeeded = Signal(object)
     """A function to call on the window's thread."""
 
@@ -72,11 +76,12 @@ class Server(QObject):
         super().__init__()
         self.debug = rospy.resolve_name(f"{_SERVER}/debug")
         self._scans: Optional[List[str]] = None
-        self._navigation: List[NavigationTool] = []
+        self._navigation: FrozenSet[str] = frozenset()
         self._publishers: Dict[str, List[str]] = {}
         self._world = ""
         self._poll_now = threading.Event()
         self._is_closed = False
+        self._runs = False
         self._subscribers: List[rospy.Subscriber] = []
         self._succeeded.connect(lambda then: then())
 
@@ -141,7 +146,11 @@ class Server(QObject):
 
     def step(self, count: int) -> None:
         """Makes steps while the simulation is paused."""
-        self._call("step", Step, count, [], 0.0)
+        steps = "1 step" if count == 1 else f"{count} steps"
+        self._call(
+            *("step", Step, count, [], 0.0),
+            done=lambda response: f"{steps}, to {response.time.to_sec():.3f} s",
+        )
 
     def seek(self, time: float) -> None:
         """Pauses, and goes to a moment of the run [s]."""
@@ -149,18 +158,30 @@ class Server(QObject):
 
     def reset(self) -> None:
         """Resets the world to the state in which it was loaded."""
-        done = "The world is as it was loaded."
-        self._call("reset", Reset, False, False, 0, done=done, refused="The world is not reset")
+        self._call(
+            *("reset", Reset, False, False, 0),
+            then=self.renewed.emit,
+            done="The world is as it was loaded.",
+            refused="The world is not reset",
+        )
 
     def reload(self) -> None:
         """Loads the world again from its files."""
-        done = "The world's files are loaded."
-        self._call("reload_world", Trigger, done=done, refused="The files are not loaded")
+        self._call(
+            *("reload_world", Trigger),
+            then=self.renewed.emit,
+            done="The world's files are loaded.",
+            refused="The files are not loaded",
+        )
 
     def open(self, path: str) -> None:
         """Opens another world in place of this one."""
-        refused = f"{path} is not opened"
-        self._call("open_world", OpenWorld, path, done=f"Opened {path}", refused=refused)
+        self._call(
+            *("open_world", OpenWorld, path),
+            then=self.renewed.emit,
+            done=f"Opened {path}",
+            refused=f"{path} is not opened",
+        )
 
     def _call(
         self,
@@ -168,7 +189,7 @@ class Server(QObject):
         service: Any,
         *arguments: Any,
         then: Optional[Callable[[], None]] = None,
-        done: str = "",
+        done: Union[str, Callable[[Any], str]] = "",
         refused: str = "",
     ) -> None:
         """Calls a service on a thread of its own; emits `failed` if that does not succeed.
@@ -178,7 +199,7 @@ class Server(QObject):
             service: its type.
             arguments: of the request.
             then: called on the window's thread if it succeeds.
-            done: a message for `done` on success.
+            done: a message for `done` on success, or a function that makes it of the response.
             refused: the title for `refused`, which is then emitted instead of `failed`.
         """
 
@@ -200,7 +221,7 @@ class Server(QObject):
             if then is not None:
                 self._emit(self._succeeded, then)
             if done:
-                self._emit(self.done, done)
+                self._emit(self.done, done(response) if callable(done) else done)
 
         threading.Thread(target=call, name=name, daemon=True).start()
 
@@ -209,6 +230,9 @@ class Server(QObject):
             signal.emit(*values)
 
     def _on_state(self, message: SimulationState) -> None:
+        if not self._runs:
+            self._runs = True
+            self._emit(self.runs)
         self._emit(
             self.simulation_changed,
             Simulation(
@@ -257,10 +281,10 @@ class Server(QObject):
             self._emit(self.world_changed, world)
 
     def _on_subscribed(self, topics: List[str]) -> None:
-        tools = wanted_tools(topics)
-        if tools != self._navigation:
-            self._navigation = tools
-            self._emit(self.navigation_changed, tools)
+        goals = goal_topics(topics)
+        if goals != self._navigation:
+            self._navigation = goals
+            self._emit(self.navigation_changed, goals)
 
     def _on_published(self, nodes_by_topic: List[Tuple[str, List[str]]]) -> None:
         own = rospy.get_name()

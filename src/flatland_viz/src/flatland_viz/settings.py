@@ -6,6 +6,11 @@ from python_qt_binding.QtCore import QByteArray, QSettings
 from python_qt_binding.QtWidgets import QAction, QMainWindow, QMenu
 
 _SWITCHES = "switches"
+DARK = "action_background_dark"
+"""The switch for the dark look."""
+_LAYOUT = 1
+"""Version of saved panels. Those of version 0 may lack the toolbar and panels: they were saved
+after the window had closed."""
 
 
 class Settings:
@@ -13,6 +18,7 @@ class Settings:
 
     def __init__(self) -> None:
         self._store = QSettings("flatland", "window")
+        self._first_layout: List[QByteArray] = []
 
     def number(self, key: str, default: float) -> float:
         """A number; `default` if there is none."""
@@ -33,6 +39,10 @@ class Settings:
     def set_list(self, key: str, value: List[str]) -> None:
         """Remembers a list of strings."""
         self._store.setValue(key, value)
+
+    def is_on(self, switch: str) -> bool:
+        """True if an action with this object name was checked last."""
+        return str(self._store.value(f"{_SWITCHES}/{switch}")) == "true"
 
     def follow_switches(self, menu: QMenu) -> None:
         """Restores the checked actions of a menu and its submenus, and remembers changes.
@@ -58,24 +68,33 @@ class Settings:
     def restore_window(self, window: QMainWindow, inner: QMainWindow) -> bool:
         """Gives the window its former place, size and panels. Returns whether it had any.
 
-        Qt keeps it within the screen.
+        Qt keeps it within the screen. Its panels now are those of `reset_layout`.
 
         Args:
             window: the window.
             inner: the one within it, which has panels of its own.
         """
+        self._first_layout = [each.saveState(_LAYOUT) for each in (window, inner)]
         geometry = _bytes(self._store.value("geometry"))
         for key, each in (("panels", window), ("inner_panels", inner)):
             panels = _bytes(self._store.value(key))
             if panels is not None:
-                each.restoreState(panels)
+                each.restoreState(panels, _LAYOUT)
         return geometry is not None and bool(window.restoreGeometry(geometry))
 
+    def reset_layout(self, window: QMainWindow, inner: QMainWindow) -> None:
+        """Gives the window the panels and toolbars of its first start."""
+        for layout, each in zip(self._first_layout, (window, inner)):
+            each.restoreState(layout, _LAYOUT)
+
     def save_window(self, window: QMainWindow, inner: QMainWindow) -> None:
-        """Saves the window's place, size and panels for `restore_window`."""
+        """Saves the window's place, size and panels for `restore_window`.
+
+        To be called while it is shown: a closed window has no toolbars and panels.
+        """
         self._store.setValue("geometry", window.saveGeometry())
-        self._store.setValue("panels", window.saveState())
-        self._store.setValue("inner_panels", inner.saveState())
+        self._store.setValue("panels", window.saveState(_LAYOUT))
+        self._store.setValue("inner_panels", inner.saveState(_LAYOUT))
         self._store.sync()
 
 

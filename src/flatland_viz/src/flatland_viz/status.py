@@ -37,7 +37,7 @@ def is_gone(silence: float) -> bool:
 
 
 def status(simulation: Optional[Simulation], silence: float) -> Status:
-    """The fields of the line.
+    """The fields of the line. Paused, the time has milliseconds, in which steps are counted.
 
     Args:
         simulation: the last state; None if there has been none.
@@ -45,7 +45,7 @@ def status(simulation: Optional[Simulation], silence: float) -> Status:
     """
     if simulation is None:
         return Status("", "", "waiting for the server")
-    time = f"{simulation.time:.1f} s"
+    time = f"{simulation.time:.{3 if simulation.is_paused else 1}f} s"
     if is_gone(silence):
         return Status(time, "", "no server")
     if simulation.is_paused:

@@ -10,7 +10,7 @@ from python_qt_binding.QtWidgets import QAction, QToolBar
 
 _SPACE = " "
 _PAUSE = "flatland_viz/PauseSim"
-_LEAST_USED = ("flatland_viz/ChangeRate", "rviz/Measure")
+_LEAST_USED = ("flatland_viz/ChangeRate", "flatland_viz/Measure")
 """Tools at the end of the toolbar: where there is no room, they go behind its ">>"."""
 
 
@@ -44,21 +44,26 @@ class Toolbar(QObject):
         self._bar = bar
         self._is_fitting = False
         self._full_width = 0
+        self._order(self.describe(tools))
+        bar.installEventFilter(self)
+
+    def describe(self, tools: List[Any]) -> Dict[str, QAction]:
+        """Sets the tooltips of tools' buttons; returns the buttons, by the tools' classes."""
         buttons = {}
         for tool in tools:
-            for action in bar.actions():
+            for action in self._bar.actions():
                 if action.text() == tool.getName():
                     self._describe(action, tool)
                     buttons[tool.getClassId()] = action
-        self._order(buttons)
-        bar.installEventFilter(self)
+        return buttons
 
     def _order(self, buttons: Dict[str, QAction]) -> None:
         """Moves the buttons; `buttons` are those of tools, by their classes."""
         bar = self._bar
         # rviz adds tools before a hidden action of its own, which stays in front of these buttons.
         bar.addSeparator()
-        self._move_to_end(buttons.get(_PAUSE))
+        self._pause = buttons.get(_PAUSE)
+        self._move_to_end(self._pause)
         self._least_used = bar.addSeparator()
         for kind in _LEAST_USED:
             self._move_to_end(buttons.get(kind))
@@ -99,9 +104,24 @@ class Toolbar(QObject):
         return False
 
     def _fit(self) -> None:
+        self._keep_width()
         if self._bar.toolButtonStyle() != Qt.ToolButtonIconOnly:
             self._full_width = self._bar.layout().sizeHint().width()
         is_narrow = self._bar.width() < self._full_width
         style = Qt.ToolButtonIconOnly if is_narrow else Qt.ToolButtonTextBesideIcon
         if style != self._bar.toolButtonStyle():
             self._bar.setToolButtonStyle(style)
+            self._keep_width()
+
+    def _keep_width(self) -> None:
+        """Gives Pause the width of Resume, so that the other buttons stay where they are."""
+        button = self._bar.widgetForAction(self._pause) if self._pause else None
+        if button is None:
+            return
+        widths = [
+            button.fontMetrics().size(Qt.TextShowMnemonic, text).width()
+            for text in ("Resume", button.text())
+        ]
+        wider = widths[0] - widths[1]
+        has_text = self._bar.toolButtonStyle() == Qt.ToolButtonTextBesideIcon
+        button.setMinimumWidth(button.sizeHint().width() + max(0, wider) if has_text else 0)

@@ -6,16 +6,21 @@ import signal
 import sys
 import time
 import traceback
+import xmlrpc.client
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+import rosgraph
+import rosgraph.names
 import rospkg
 import rospy
 import yaml
 
 _WAKE_PERIOD = 50  # ms
 _FRAME_RATE = 30  # Hz
+_PICTURE_WAIT = 1500  # ms: limit of the wait for a picture of the world
 _LONGEST_WAIT = 5000  # ms: limit of the wait for a world before the window opens
 
 
@@ -28,11 +33,23 @@ A crash of the window does not: the server goes on, and a window can be opened a
 def main() -> int:
     """Shows the window until it is closed. Without a display, logs that and ends."""
     has_display = _has_display()
-    rospy.init_node("flatland_viz", disable_signals=True)
+    rospy.init_node("flatland_viz", anonymous=_is_second(), disable_signals=True)
     if not has_display:
         rospy.logwarn("no display: going on without a window (show_viz:=false avoids this line)")
         return 0
     return _show_window(ends_server=_END_SERVER in sys.argv)
+
+
+def _is_second() -> bool:
+    """True if there is a window with the usual name, which a node of the same name would end."""
+    if any(argument.startswith("__name:=") for argument in sys.argv):
+        return False
+    with suppress(OSError, xmlrpc.client.Error, rosgraph.MasterException):
+        master = rosgraph.Master("/flatland_viz_start")
+        name = rosgraph.names.ns_join(rosgraph.names.get_ros_namespace(), "flatland_viz")
+        uri = master.lookupNode(name)
+        return bool(xmlrpc.client.ServerProxy(uri).getPid("/flatland_viz_start"))
+    return False
 
 
 def _has_display() -> bool:
@@ -58,28 +75,39 @@ def _show_window(ends_server: bool) -> int:
     from python_qt_binding.QtCore import Qt, QTimer
     from python_qt_binding.QtWidgets import QApplication
 
-    from flatland_viz.ending import leave, shut_down
+    from flatland_viz.ending import end_launch, leave, shut_down
     from flatland_viz.problem_sources import ProblemSources
     from flatland_viz.scene import Scene
     from flatland_viz.server import Server
+    from flatland_viz.settings import DARK, Settings
+    from flatland_viz.theme import Theme
+    from flatland_viz.toolbar import icon
     from flatland_viz.window import Window
 
     _provide_media_export()
     QApplication.setAttribute(Qt.AA_EnableHighDpiScaling)
     QApplication.setAttribute(Qt.AA_UseHighDpiPixmaps)
     application = QApplication(["flatland_viz"])
+    application.setWindowIcon(icon("flatland"))
     application.setApplicationDisplayName("")  # it would be appended to the window's title
     sys.excepthook = _report  # PyQt aborts the process otherwise
+
+    theme = Theme()
+    if Settings().is_on(DARK):
+        theme.apply("dark")  # before there are widgets: Qt changes them only once it runs
 
     problems = ProblemSources()
     problems.start()  # before rviz, which takes seconds: the server logs as it loads the world
     server = Server()
     server.models_changed.connect(problems.check_models)
-    window = Window(server, Scene(_base_config(), _frame_rate()), problems)
+    scene = Scene(_base_config(), _frame_rate())
+    window = Window(server, scene, problems, theme)
     server.start()
-    # Opened by a launch file, it waits for the world, since a refused world ends the launch.
+    # Opened by a launch file, it waits for the world, since a refused world ends the launch, and
+    # so that it opens with a whole picture. A world may have no walls or no models.
     if ends_server:
-        server.simulation_changed.connect(lambda _: _show(window))
+        scene.whole.connect(lambda: _show(window))
+        server.runs.connect(lambda: QTimer.singleShot(_PICTURE_WAIT, lambda: _show(window)))
         QTimer.singleShot(_LONGEST_WAIT, lambda: _show(window))
     else:
         _show(window)
@@ -98,7 +126,8 @@ def _show_window(ends_server: bool) -> int:
     window.hide()  # at once; ROS takes half a second to shut down
     problems.close()
     server.close()
-    shut_down([server.shut_down] if ends_server and window.is_closed else [])
+    ends_launch = ends_server and window.is_closed
+    shut_down([partial(end_launch, server.shut_down)] if ends_launch else [])
     leave()
 
 

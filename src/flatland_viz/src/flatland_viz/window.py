@@ -2,15 +2,17 @@
 
 import time
 from pathlib import Path
-from typing import List, Optional
+from typing import Dict, FrozenSet, List, Optional
 
 from python_qt_binding.QtCore import QEvent, QObject, Qt, QTimer
+from python_qt_binding.QtGui import QKeySequence
 from python_qt_binding.QtWidgets import (
     QApplication,
     QInputDialog,
     QMainWindow,
     QMenu,
     QMessageBox,
+    QShortcut,
 )
 
 from flatland_viz.displays import wanted
@@ -19,16 +21,19 @@ from flatland_viz.file_dialog import ask_for_file
 from flatland_viz.ground_truth import GroundTruth
 from flatland_viz.keys_dialog import DRIVING, MOUSE, KeysDialog, rows_of
 from flatland_viz.menus import Menus
+from flatland_viz.model_list import Model
 from flatland_viz.model_workbench import ModelWorkbench
+from flatland_viz.navigation_tools import wanted_tools
 from flatland_viz.problem_badge import ProblemBadge
 from flatland_viz.problem_sources import ProblemSources
-from flatland_viz.scene import Scene
+from flatland_viz.scene import RATE_TOOL, Scene
 from flatland_viz.screenshot import picture_of, write_picture
 from flatland_viz.selection import Selection
 from flatland_viz.server import Server
 from flatland_viz.settings import Settings
 from flatland_viz.status import Simulation, has_restarted, is_gone, status
 from flatland_viz.status_line import StatusLine
+from flatland_viz.theme import Theme
 from flatland_viz.timeline import Timeline
 from flatland_viz.toolbar import Toolbar, key_of
 from flatland_viz.window_size import first_size
@@ -50,15 +55,20 @@ class Window(QMainWindow):
         server: the connection to it.
         scene: the embedded rviz.
         problems: the sources of the badge's problems.
+        theme: of the application.
     """
 
-    def __init__(self, server: Server, scene: Scene, problems: ProblemSources) -> None:
+    def __init__(
+        self, server: Server, scene: Scene, problems: ProblemSources, theme: Theme
+    ) -> None:
         super().__init__()
         self._server = server
         self._scene = scene
         self.is_closed = False
         """True if the user has closed it."""
         self._world = ""
+        self._models: Dict[str, Model] = {}
+        self._goals: FrozenSet[str] = frozenset()
         self._simulation: Optional[Simulation] = None
         self._last_message = time.monotonic()
         self.setObjectName("flatland")
@@ -70,11 +80,13 @@ class Window(QMainWindow):
         self.addToolBar(Qt.BottomToolBarArea, self._timeline)
         self._badge = ProblemBadge(self._line, problems)
         self._settings = Settings()
+        self._theme = theme
         self.selection = Selection()
         self._drive = DrivePanel(self.selection, self._settings)
         self.addDockWidget(Qt.RightDockWidgetArea, self._drive)
         self._drive.hide()
         self._menus = Menus(self.menuBar(), [self._drive, *scene.docks], self._settings)
+        self._menus.add_toolbar(scene.toolbar)
         self._menus.enable_spawning(scene.can_spawn)
         self._ground_truth = GroundTruth(
             scene.models, self._line, self.menuBar().findChild(QMenu, "menu_simulation")
@@ -96,10 +108,12 @@ class Window(QMainWindow):
         server, scene, menus = self._server, self._scene, self._menus
         server.simulation_changed.connect(self._on_simulation)
         server.scans_changed.connect(self._on_scans)
-        server.navigation_changed.connect(scene.show_navigation_tools)
+        server.navigation_changed.connect(self._on_goals)
+        self.selection.changed.connect(lambda _: self._show_navigation_tools())
+        server.renewed.connect(self._badge.forget_events)
         server.world_changed.connect(self._on_world)
         server.failed.connect(self._line.show_message)
-        server.models_changed.connect(self._drive.set_models)
+        server.models_changed.connect(self._on_models)
         server.publishers_changed.connect(self._drive.set_publishers)
         server.done.connect(self._line.show_message)
         server.refused.connect(self._show_error)
@@ -115,14 +129,20 @@ class Window(QMainWindow):
         menus.step_asked.connect(lambda: server.step(1))
         menus.steps_asked.connect(self._ask_for_steps)
         menus.keys_asked.connect(self._show_keys)
-        menus.model_chosen.connect(scene.spawn)
-        menus.other_model_asked.connect(self._spawn_other)
+        menus.spawn_asked.connect(scene.spawn)
         menus.screenshot_asked.connect(self._take_screenshot)
         menus.reset_asked.connect(scene.reset_view)
+        menus.layout_reset_asked.connect(
+            lambda: self._settings.reset_layout(self, self._scene.frame)
+        )
         menus.quit_asked.connect(self.close)
-        menus.pause_asked.connect(lambda on: server.pause() if on else server.resume())
+        for asks in (menus, self._line):
+            asks.pause_asked.connect(lambda on: server.pause() if on else server.resume())
+        self._line.rate_asked.connect(lambda: scene.use_tool(RATE_TOOL))
         menus.rate_chosen.connect(server.change_rate)
         menus.background_chosen.connect(scene.set_background)
+        menus.background_chosen.connect(self._theme.apply)
+        QShortcut(QKeySequence("Esc"), self, scene.leave_tool)
         self._clock = QTimer(self)
         self._clock.timeout.connect(self._refresh)
         self._clock.start(_REFRESH_PERIOD)
@@ -156,6 +176,23 @@ class Window(QMainWindow):
     def _on_scans(self, scans: List[str]) -> None:
         self._scene.show_displays(wanted(self._server.debug, scans))
 
+    def _on_models(self, models: Dict[str, Model]) -> None:
+        self._models = models
+        self._drive.set_models(models)
+        self._badge.set_models(models)
+        self._show_navigation_tools()
+
+    def _on_goals(self, topics: FrozenSet[str]) -> None:
+        self._goals = topics
+        self._show_navigation_tools()
+
+    def _show_navigation_tools(self) -> None:
+        """Shows the tools for goals of the selected robot."""
+        robot = self._models.get(self.selection.name)
+        wanted = wanted_tools(self._goals, robot.namespace if robot else "")
+        self._scene.show_navigation_tools(wanted)
+        self._toolbar.describe(self._scene.tools)
+
     def _on_world(self, path: str) -> None:
         is_other = bool(self._world)
         self._world = path
@@ -180,16 +217,18 @@ class Window(QMainWindow):
         return event.type() == QEvent.KeyPress and bool(event.modifiers() & _OTHER_KEYS)
 
     def closeEvent(self, event: QEvent) -> None:  # noqa: N802
-        """Ends the program, even if dialogs are open."""
+        """Saves the layout while it is whole; ends the program, even if dialogs are open."""
+        self._settings.save_window(self, self._scene.frame)
         super().closeEvent(event)
         self._drive.stop()
         self.is_closed = True
         QApplication.quit()
 
     def finish(self) -> None:
-        """Remembers the window's place, size and panels, and stops a robot that it drives."""
+        """Stops a robot that it drives; saves the layout if it was not closed by the user."""
         self._drive.stop()
-        self._settings.save_window(self, self._scene.frame)
+        if not self.is_closed:
+            self._settings.save_window(self, self._scene.frame)
 
     def _show_error(self, what: str, why: str) -> None:
         box = QMessageBox(QMessageBox.Warning, "Flatland", what, QMessageBox.Close, self)
@@ -227,12 +266,6 @@ class Window(QMainWindow):
         tools = [(key_of(tool), tool.getName()) for tool in self._scene.tools if key_of(tool)]
         others = [("Tools", tools), ("Driving", DRIVING), ("Mouse", MOUSE)]
         return KeysDialog(self, [menus, others])
-
-    def _spawn_other(self) -> None:
-        folder = str(Path(self._world).parent) if self._world else ""
-        file = ask_for_file(self, "Spawn a model", folder, "Models (*.yaml *.yml);;All files (*)")
-        if file:
-            self._scene.spawn(file)
 
     def _take_screenshot(self) -> None:
         QTimer.singleShot(_MENU_CLOSING_TIME, self._save_screenshot)  # without the menu in it

@@ -1,42 +1,8 @@
-"""The files of a world: the models that can be spawned."""
+"""Names of a world's files, as the window shows them."""
 
 from pathlib import Path
-from typing import Any, List
-
-import yaml
 
 _SUFFIX = ".model.yaml"
-
-
-def model_files(world: Path) -> List[Path]:
-    """The model files in a world's folder and those named in its file, each once.
-
-    Only the server evaluates world files. This finds the models that are named literally; a missing
-    file, or one that is not plain YAML, gives none.
-    """
-    try:
-        beside = sorted(world.parent.glob(f"*{_SUFFIX}"))
-        named = [(world.parent / name) for name in _named_models(world)]
-    except OSError:
-        return []
-    files: List[Path] = []
-    for file in [*beside, *named]:
-        path = file.resolve()
-        if path not in files and path.is_file():
-            files.append(path)
-    return files
-
-
-def _named_models(world: Path) -> List[str]:
-    try:
-        content: Any = yaml.load(world.read_text(), getattr(yaml, "CSafeLoader", yaml.SafeLoader))
-    except (yaml.YAMLError, UnicodeDecodeError):
-        return []
-    models = content.get("models") if isinstance(content, dict) else None
-    if not isinstance(models, list):
-        return []
-    names = [entry.get("model") for entry in models if isinstance(entry, dict)]
-    return [name for name in names if isinstance(name, str)]
 
 
 def label(model: Path) -> str:

@@ -3,6 +3,7 @@
 /// The names and headings of models on the map.
 
 #include <QColor>
+#include <QRectF>
 #include <map>
 #include <memory>
 #include <string>
@@ -24,8 +25,8 @@ struct ScreenScale;
 struct WorldModel;
 
 /// A robot has a ring on its base and an arrow in its colour, which shows where it looks and is
-/// never smaller than can be seen, and its name below it. Other models have their names while they
-/// are selected or under the mouse. Names that would cover others are left out.
+/// never smaller than can be seen, and its name beside it. Other models have their names while they
+/// are selected or under the mouse. Names that would cover others or models are left out.
 class ModelMarks {
  public:
   struct Options {
@@ -45,6 +46,11 @@ class ModelMarks {
  private:
   struct Mark;
 
+  /// Puts a name beside its model where it covers nothing that is taken; false if there is no such
+  /// place.
+  bool PlaceLabel(Mark& mark, const WorldModel& model, const WorldPlane& world,
+                  const Ogre::Viewport& viewport, const Options& options,
+                  std::vector<QRectF>& taken);
   void PlaceHeading(Mark& mark, const WorldModel& model, const WorldPlane& world,
                     const Ogre::Viewport& viewport, const Options& options);
   /// Places the ring around an arrow of this size [pixels].

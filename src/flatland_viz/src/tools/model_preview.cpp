@@ -9,7 +9,7 @@
 namespace flatland_viz {
 namespace {
 
-constexpr float kHeight = 0.1f;  // m: above the models in the world
+constexpr float kPreviewZ = 0.1f;  // m: above the models in the world
 
 }  // namespace
 
@@ -37,7 +37,7 @@ ModelPreview::~ModelPreview() {
 }
 
 void ModelPreview::Place(const geometry_msgs::Pose2D& pose, const WorldPlane& world) {
-  node_->setPosition(world.PositionInScene(pose, kHeight));
+  node_->setPosition(world.PositionInScene(pose, kPreviewZ));
   node_->setOrientation(world.OrientationInScene(pose));
   node_->setVisible(true);
   context_.queueRender();

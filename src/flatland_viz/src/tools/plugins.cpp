@@ -5,6 +5,7 @@
 #include "change_rate_tool.hpp"
 #include "interact_tool.hpp"
 #include "map_view.hpp"
+#include "measure_tool.hpp"
 #include "models_display.hpp"
 #include "pause_sim_tool.hpp"
 #include "spawn_model_tool.hpp"
@@ -12,6 +13,7 @@
 PLUGINLIB_EXPORT_CLASS(flatland_viz::ChangeRateTool, rviz::Tool)
 PLUGINLIB_EXPORT_CLASS(flatland_viz::InteractTool, rviz::Tool)
 PLUGINLIB_EXPORT_CLASS(flatland_viz::MapView, rviz::ViewController)
+PLUGINLIB_EXPORT_CLASS(flatland_viz::MeasureTool, rviz::Tool)
 PLUGINLIB_EXPORT_CLASS(flatland_viz::ModelsDisplay, rviz::Display)
 PLUGINLIB_EXPORT_CLASS(flatland_viz::PauseSimTool, rviz::Tool)
 PLUGINLIB_EXPORT_CLASS(flatland_viz::SpawnModelTool, rviz::Tool)

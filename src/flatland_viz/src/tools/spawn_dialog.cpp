@@ -7,22 +7,33 @@
 #include <QFileInfo>
 #include <QFormLayout>
 #include <QHBoxLayout>
+#include <QKeyEvent>
 #include <QLabel>
 #include <QLineEdit>
+#include <QListWidget>
 #include <QPushButton>
 #include <QSpinBox>
 #include <QVBoxLayout>
 #include <limits>
 
 #include "dialog_message.hpp"
+#include "model_files.hpp"
 
 namespace flatland_viz {
+namespace {
 
-SpawnDialog::SpawnDialog(QWidget* parent, const ModelChoice& choice)
+constexpr int kFileRole = Qt::UserRole;
+constexpr QSize kIcon(48, 48), kCell(124, 78);  // pixels
+
+}  // namespace
+
+SpawnDialog::SpawnDialog(QWidget* parent, const ModelChoice& choice, ModelFiles& files)
     : QDialog(parent),
       has_own_name_(!choice.own_name.isEmpty()),
       has_own_namespace_(!choice.own_ns.isEmpty()),
-      file_(new QLineEdit(choice.file)),
+      files_(files),
+      search_(new QLineEdit),
+      list_(new QListWidget),
       name_(new QLineEdit(choice.own_name)),
       namespace_(new QLineEdit(choice.own_ns)),
       is_numbered_(new QCheckBox("Append a n&umber:")),
@@ -32,7 +43,16 @@ SpawnDialog::SpawnDialog(QWidget* parent, const ModelChoice& choice)
       buttons_(new QDialogButtonBox(QDialogButtonBox::Ok | QDialogButtonBox::Cancel)) {
   setObjectName("spawn_model_dialog");
   setWindowTitle("Spawn Model");
-  file_->setMinimumWidth(40 * fontMetrics().averageCharWidth());
+  list_->setObjectName("models");
+  list_->setViewMode(QListView::IconMode);
+  list_->setMovement(QListView::Static);
+  list_->setResizeMode(QListView::Adjust);
+  list_->setIconSize(kIcon);
+  list_->setGridSize(kCell);
+  list_->setWordWrap(true);
+  list_->setTextElideMode(Qt::ElideMiddle);
+  list_->setMinimumSize(3 * kCell.width() + 24, kCell.height() + 8);
+  list_->setFocusPolicy(Qt::NoFocus);  // the field for the search moves the mark
   name_->setObjectName("name");
   namespace_->setObjectName("namespace");
   namespace_->setPlaceholderText("none");
@@ -42,9 +62,10 @@ SpawnDialog::SpawnDialog(QWidget* parent, const ModelChoice& choice)
 
   auto* form = new QFormLayout(inputs_);
   form->setContentsMargins(0, 0, 0, 0);
-  auto* file_label = new QLabel("Model &file:");
-  file_label->setBuddy(file_);
-  form->addRow(file_label, MakeFileRow());
+  auto* search_label = new QLabel("&Find:");
+  search_label->setBuddy(search_);
+  form->addRow(search_label, MakeSearchRow());
+  form->addRow(list_);
   form->addRow("&Name:", name_);
   form->addRow("", MakeNumberRow());
   form->addRow("Name&space:", namespace_);
@@ -53,8 +74,16 @@ SpawnDialog::SpawnDialog(QWidget* parent, const ModelChoice& choice)
   layout->addWidget(message_);
   layout->addWidget(buttons_);
 
+  ShowFiles();
+  for (int row = 0; row < list_->count(); ++row) {
+    if (list_->item(row)->data(kFileRole).toString() == choice.file) list_->setCurrentRow(row);
+  }
   Suggest();
-  connect(file_, &QLineEdit::textChanged, this, &SpawnDialog::Suggest);
+  connect(&files_, &ModelFiles::Found, this, &SpawnDialog::ShowFiles);
+  connect(&pictures_, &ModelPictures::Drawn, this, &SpawnDialog::SetPicture);
+  connect(search_, &QLineEdit::textChanged, this, &SpawnDialog::Filter);
+  connect(list_, &QListWidget::currentItemChanged, this, &SpawnDialog::Suggest);
+  connect(list_, &QListWidget::itemClicked, this, &SpawnDialog::accept);
   connect(is_numbered_, &QCheckBox::toggled, this, &SpawnDialog::Suggest);
   connect(number_, QOverload<int>::of(&QSpinBox::valueChanged), this, &SpawnDialog::Suggest);
   connect(name_, &QLineEdit::textEdited, this, [this](const QString& name) {
@@ -70,9 +99,11 @@ SpawnDialog::SpawnDialog(QWidget* parent, const ModelChoice& choice)
   connect(buttons_, &QDialogButtonBox::rejected, this, &SpawnDialog::reject);
 }
 
-QWidget* SpawnDialog::MakeFileRow() {
-  file_->setObjectName("file");
-  auto* select = new QPushButton("Se&lect...");
+QWidget* SpawnDialog::MakeSearchRow() {
+  search_->setObjectName("file");
+  search_->setPlaceholderText("Part of a name, or a path");
+  search_->installEventFilter(this);
+  auto* select = new QPushButton("&Other file...");
   select->setObjectName("select_file");
   select->setAutoDefault(false);
   connect(select, &QPushButton::clicked, this, &SpawnDialog::SelectFile);
@@ -80,9 +111,75 @@ QWidget* SpawnDialog::MakeFileRow() {
   auto* row = new QWidget;
   auto* layout = new QHBoxLayout(row);
   layout->setContentsMargins(0, 0, 0, 0);
-  layout->addWidget(file_);
+  layout->addWidget(search_);
   layout->addWidget(select);
   return row;
+}
+
+/// Moves the mark by the arrow keys.
+bool SpawnDialog::eventFilter(QObject* watched, QEvent* event) {
+  if (event->type() == QEvent::KeyPress) {
+    const auto* key = static_cast<QKeyEvent*>(event);
+    if (key->key() == Qt::Key_Up || key->key() == Qt::Key_Down) {
+      const int step = key->key() == Qt::Key_Down ? 1 : -1;
+      for (int row = list_->currentRow() + step; row >= 0 && row < list_->count(); row += step) {
+        if (list_->item(row)->isHidden()) continue;
+        list_->setCurrentRow(row);
+        break;
+      }
+      return true;
+    }
+  }
+  return QDialog::eventFilter(watched, event);
+}
+
+void SpawnDialog::ShowFiles() {
+  const QString marked = File();
+  QStringList unknown;
+  list_->clear();
+  for (const QString& file : files_.files()) {
+    auto* item = new QListWidgetItem(icons_.value(file), NameFromFile(file), list_);
+    item->setData(kFileRole, file);
+    item->setToolTip(file);
+    item->setTextAlignment(Qt::AlignHCenter | Qt::AlignTop);
+    if (!icons_.contains(file)) unknown << file;
+    if (file == marked) list_->setCurrentItem(item);
+  }
+  pictures_.Ask(unknown);
+  Filter();
+}
+
+/// Shows the models with the text in their names, and marks one of them.
+void SpawnDialog::Filter() {
+  const QString text = search_->text().trimmed();
+  const bool is_path = text.contains('/') || text.endsWith(".yaml") || text.endsWith(".yml");
+  for (int row = 0; row < list_->count(); ++row) {
+    QListWidgetItem* item = list_->item(row);
+    item->setHidden(is_path || !item->text().contains(text, Qt::CaseInsensitive));
+  }
+  QListWidgetItem* marked = list_->currentItem();
+  if (!marked || marked->isHidden()) {
+    marked = nullptr;
+    for (int row = list_->count() - 1; row >= 0; --row) {
+      if (!list_->item(row)->isHidden()) marked = list_->item(row);
+    }
+    list_->setCurrentItem(marked);
+  }
+  Suggest();
+}
+
+void SpawnDialog::SetPicture(const QString& file, const QImage& picture) {
+  icons_[file] = QIcon(QPixmap::fromImage(picture));
+  for (int row = 0; row < list_->count(); ++row) {
+    QListWidgetItem* item = list_->item(row);
+    if (item->data(kFileRole).toString() == file) item->setIcon(icons_[file]);
+  }
+}
+
+/// The model that is marked, or the path in the field.
+QString SpawnDialog::File() const {
+  const QListWidgetItem* item = list_->currentItem();
+  return item ? item->data(kFileRole).toString() : search_->text().trimmed();
 }
 
 QWidget* SpawnDialog::MakeNumberRow() {
@@ -102,8 +199,8 @@ QWidget* SpawnDialog::MakeNumberRow() {
 }
 
 void SpawnDialog::SelectFile() {
-  const QFileInfo present(file_->text());
-  const bool has_folder = !file_->text().isEmpty() && present.dir().exists();
+  const QFileInfo present(File());
+  const bool has_folder = !File().isEmpty() && present.dir().exists();
   auto* chooser = new QFileDialog(this, "Select model file",
                                   has_folder ? present.absolutePath() : QDir::homePath(),
                                   "Models (*.yaml *.yml);;All files (*)");
@@ -113,7 +210,7 @@ void SpawnDialog::SelectFile() {
   chooser->setOption(
       QFileDialog::DontUseNativeDialog);  // the same everywhere, and without a portal
   if (present.isFile()) chooser->selectFile(present.fileName());
-  connect(chooser, &QFileDialog::fileSelected, file_, &QLineEdit::setText);
+  connect(chooser, &QFileDialog::fileSelected, search_, &QLineEdit::setText);
   connect(chooser, &QDialog::finished, this, [this] {
     activateWindow();
     name_->setFocus();
@@ -130,19 +227,18 @@ void SpawnDialog::SetNames(const WorldNames& names) {
 
 void SpawnDialog::Suggest() {
   if (!has_own_name_ && !name_->hasFocus()) {
-    const QString name = NameFromFile(file_->text());
+    const QString name = NameFromFile(File());
     name_->setText(is_numbered_->isChecked() ? name : names_.FreeName(name));
   }
   if (!has_own_namespace_) {
-    const QString file = file_->text().trimmed();
+    const QString file = File();
     namespace_->setText(names_.FindTwin(file, {}) ? choice().Name() : QString());
   }
   WarnOfTwin();
 }
 
 void SpawnDialog::WarnOfTwin() {
-  const flatland_msgs::ModelInfo* twin =
-      names_.FindTwin(file_->text().trimmed(), namespace_->text().trimmed());
+  const flatland_msgs::ModelInfo* twin = names_.FindTwin(File(), namespace_->text().trimmed());
   if (!twin) {
     message_->ShowInfo({});
     return;
@@ -157,7 +253,7 @@ void SpawnDialog::WarnOfTwin() {
 
 ModelChoice SpawnDialog::choice() const {
   ModelChoice choice;
-  choice.file = file_->text().trimmed();
+  choice.file = File();
   if (has_own_name_) {
     choice.own_name = name_->text().trimmed();
   } else {
@@ -174,13 +270,13 @@ void SpawnDialog::Open(const QString& error, bool is_placed) {
   Suggest();
   QPushButton* ok = buttons_->button(QDialogButtonBox::Ok);
   ok->setText(is_placed ? "&Spawn" : "&Place");
-  ok->setToolTip(is_placed ? "Spawn it where it was placed." : "Choose its place by mouse.");
+  ok->setToolTip(is_placed ? "Spawn it where it was placed."
+                           : "Choose its place by mouse: press, drag to turn it, release.");
   if (!error.isEmpty()) message_->ShowError(error);
   open();
   raise();
   activateWindow();  // gives it the keyboard where there is no window manager
-  const bool is_wrong_file = !error.isEmpty() && !is_placed;
-  QLineEdit* first = file_->text().isEmpty() || is_wrong_file ? file_ : name_;
+  QLineEdit* first = is_placed ? name_ : search_;
   first->setFocus();
   first->selectAll();
   ok->setDefault(true);  // while it was disabled, Enter has become Cancel's
@@ -198,7 +294,7 @@ void SpawnDialog::SetInputEnabled(bool is_enabled) {
 
 void SpawnDialog::accept() {
   if (choice().file.isEmpty()) {
-    Open("Select the YAML file of a model.", false);
+    Open("Choose a model, or type the path of its file.", false);
   } else {
     Q_EMIT Submitted(choice());
   }

@@ -1,28 +1,36 @@
 #pragma once
 
-/// The dialog of the SpawnModel tool, for the file and the name.
+/// The palette of the SpawnModel tool: pictures of models, and the name of the next one.
 
 #include <QDialog>
+#include <QIcon>
+#include <QMap>
 
 #include "model_choice.hpp"
+#include "model_pictures.hpp"
 #include "world_names.hpp"
 
 class QCheckBox;
 class QDialogButtonBox;
 class QLineEdit;
+class QListWidget;
+class QListWidgetItem;
 class QSpinBox;
 
 namespace flatland_viz {
 
 class DialogMessage;
+class ModelFiles;
 
-/// OK does not close the dialog: it emits Submitted, and the receiver closes the dialog or has it
-/// show an error. The input is kept in either case.
+/// A click on a picture chooses its model, Return or OK the one that is marked. The field above
+/// them searches by name; it takes a path, too. OK does not close the dialog: it emits Submitted,
+/// and the receiver closes the dialog or has it show an error. The input is kept in either case.
 class SpawnDialog : public QDialog {
   Q_OBJECT
 
  public:
-  SpawnDialog(QWidget* parent, const ModelChoice& choice);
+  /// `files`: those with pictures; outlives the dialog.
+  SpawnDialog(QWidget* parent, const ModelChoice& choice, ModelFiles& files);
 
   ModelChoice choice() const;
 
@@ -37,11 +45,18 @@ class SpawnDialog : public QDialog {
 
   void accept() override;
 
+ protected:
+  bool eventFilter(QObject* watched, QEvent* event) override;
+
  Q_SIGNALS:
   void Submitted(const flatland_viz::ModelChoice& choice);
 
  private:
-  QWidget* MakeFileRow();
+  QWidget* MakeSearchRow();
+  void ShowFiles();
+  void Filter();
+  void SetPicture(const QString& file, const QImage& picture);
+  QString File() const;
   QWidget* MakeNumberRow();
   void SelectFile();
   void Suggest();
@@ -51,7 +66,11 @@ class SpawnDialog : public QDialog {
   WorldNames names_;
   bool has_own_name_;
   bool has_own_namespace_;
-  QLineEdit* file_;
+  ModelFiles& files_;
+  ModelPictures pictures_;
+  QMap<QString, QIcon> icons_;  // by file
+  QLineEdit* search_;           // or the path of a file
+  QListWidget* list_;
   QLineEdit* name_;
   QLineEdit* namespace_;
   QCheckBox* is_numbered_;

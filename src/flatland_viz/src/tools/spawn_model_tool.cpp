@@ -14,6 +14,7 @@
 
 #include "error_text.hpp"
 #include "one_shot_tool.hpp"
+#include "screen_scale.hpp"
 
 namespace flatland_viz {
 namespace {
@@ -21,7 +22,7 @@ namespace {
 using flatland_msgs::GetModelMarkers;
 using flatland_msgs::SpawnModel;
 
-constexpr double kMinDistance = 0.001;  // m: a nearer cursor gives no direction
+constexpr double kMinDistance = 6;  // pixels: a nearer cursor gives no direction
 
 bool IsPress(const rviz::ViewportMouseEvent& event, Qt::MouseButton button) {
   // The second of two quick clicks arrives as a double click.
@@ -53,6 +54,7 @@ void SpawnModelTool::onInitialize() {
   models_ = node.subscribe<flatland_msgs::ModelList>(
       "/flatland_server/models", 1, [this](const flatland_msgs::ModelList::ConstPtr& models) {
         names_ = WorldNames(*models);
+        files_.Add(*models);
         if (dialog_) dialog_->SetNames(names_);
       });
 }
@@ -70,8 +72,10 @@ void SpawnModelTool::OpenMenu(const QString& error) {
   phase_ = Phase::kMenu;
   if (!dialog_) {
     rviz::WindowManagerInterface* windows = context_->getWindowManager();
-    dialog_ = new SpawnDialog(windows ? windows->getParentWindow() : nullptr, properties_.Read());
+    dialog_ =
+        new SpawnDialog(windows ? windows->getParentWindow() : nullptr, properties_.Read(), files_);
     dialog_->SetNames(names_);
+    files_.Look();
     connect(dialog_, &SpawnDialog::Submitted, this, &SpawnModelTool::AskForMarkers);
     connect(dialog_, &QDialog::rejected, this, &rviz::Tool::close);
   }
@@ -131,13 +135,11 @@ int SpawnModelTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
   if (phase_ == Phase::kSpawning) return 0;
 
   Follow(event);
-  if (IsPress(event, Qt::LeftButton)) {
-    if (phase_ == Phase::kTranslation) {
-      phase_ = Phase::kRotation;
-      ShowHint();
-    } else {
-      Spawn();
-    }
+  if (phase_ == Phase::kTranslation && IsPress(event, Qt::LeftButton)) {
+    phase_ = Phase::kRotation;
+    ShowHint();
+  } else if (phase_ == Phase::kRotation && event.leftUp()) {
+    Spawn();
   }
   return Render;
 }
@@ -152,7 +154,10 @@ void SpawnModelTool::Follow(const rviz::ViewportMouseEvent& event) {
     pose_.y = point->y;
   } else {
     const double dx = point->x - pose_.x, dy = point->y - pose_.y;
-    if (std::hypot(dx, dy) > kMinDistance) pose_.theta = std::atan2(dy, dx);
+    const double scale =
+        ScreenScale::At(world->PositionInScene(pose_, 0), *event.viewport).pixels_per_metre;
+    const double least = kMinDistance * event.panel->devicePixelRatioF() / scale;
+    if (std::hypot(dx, dy) > least) pose_.theta = std::atan2(dy, dx);
   }
   preview_->Place(pose_, *world);
 }
@@ -183,6 +188,7 @@ void SpawnModelTool::Spawn() {
             next.own_ns.clear();
           }
           properties_.Write(next);
+          files_.AddRecent(choice.file);
           Q_EMIT close();
           setStatus(QString("Spawned %1.").arg(choice.Name().toHtmlEscaped()));
         }
@@ -207,13 +213,14 @@ void SpawnModelTool::ShowHint() {
     case Phase::kOff:
       break;
     case Phase::kMenu:
-      setStatus("Select the model to spawn.");
+      setStatus("Choose the model to spawn." + cancel);
       break;
     case Phase::kTranslation:
-      setStatus("<b>Left-Click:</b> Put the model here." + cancel);
+      setStatus("<b>Click:</b> Spawn the model here. <b>Press and drag:</b> Turn it, too." +
+                cancel);
       break;
     case Phase::kRotation:
-      setStatus("<b>Move:</b> Turn the model. <b>Left-Click:</b> Spawn it." + cancel);
+      setStatus("<b>Drag:</b> Turn the model. <b>Release:</b> Spawn it." + cancel);
       break;
     case Phase::kSpawning:
       setStatus("The server spawns the model ...");

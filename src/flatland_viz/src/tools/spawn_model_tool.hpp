@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "model_choice.hpp"
+#include "model_files.hpp"
 #include "model_preview.hpp"
 #include "service_caller.hpp"
 #include "spawn_dialog.hpp"
@@ -20,10 +21,10 @@
 
 namespace flatland_viz {
 
-/// First the user chooses a model in a menu. A left click sets its position, another one its
-/// orientation, and the server spawns it. If the server refuses, the menu opens again with the
-/// error, and OK tries again at the same place. A right click, Escape or another tool cancels all
-/// of it.
+/// First the user chooses a model in a palette. A press of the left button sets its position, a
+/// drag its heading, and the server spawns it on release. If the server refuses, the menu opens
+/// again with the error, and OK tries again at the same place. A right click, Escape or another
+/// tool cancels all of it.
 class SpawnModelTool : public rviz::Tool {
  public:
   SpawnModelTool();
@@ -50,6 +51,7 @@ class SpawnModelTool : public rviz::Tool {
   SpawnProperties properties_;
   ModelChoice choice_;  // to be spawned
   WorldNames names_;    // of the models in the world
+  ModelFiles files_;    // to choose from
   ros::Subscriber models_;
   ServiceCaller server_;
   QPointer<SpawnDialog> dialog_;  // belongs to the window, if there is one

@@ -7,19 +7,24 @@
 #include <array>
 #include <cmath>
 
+#include "world_names.hpp"
+
 namespace flatland_viz {
 namespace {
 
-// Distinct on the light and the dark background, and unlike walls and wood.
-const std::array<QColor, 8> kColors = {
-    QColor(204, 0, 0),    QColor(31, 111, 209), QColor(39, 138, 62),  QColor(214, 110, 0),
-    QColor(142, 78, 198), QColor(15, 145, 150), QColor(210, 60, 150), QColor(128, 110, 20)};
+// Of Okabe and Ito, distinct also for the colour-blind, but for those that are faint on the light
+// or on the dark background.
+const std::array<QColor, 6> kColors = {QColor(213, 94, 0),  QColor(0, 114, 178),
+                                       QColor(0, 158, 115), QColor(204, 121, 167),
+                                       QColor(230, 159, 0), QColor(86, 180, 233)};
 
 }  // namespace
 
 bool WorldModel::is_robot() const {
-  return std::any_of(info.plugins.begin(), info.plugins.end(),
-                     [](const auto& plugin) { return !plugin.topics.empty(); });
+  return !CommandTopic(info).isEmpty() ||
+         std::any_of(info.plugins.begin(), info.plugins.end(), [](const auto& plugin) {
+           return QString::fromStdString(plugin.type).endsWith("Drive");
+         });
 }
 
 QColor WorldModel::color() const {

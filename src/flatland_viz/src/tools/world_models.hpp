@@ -27,7 +27,7 @@ struct WorldModel {
 
   /// True if its state is known, from the first message on.
   bool is_placed() const { return !state.bodies.empty(); }
-  /// True if it has topics. A box has none.
+  /// True if it has a drive: it takes velocities. Boxes, doors and fixed sensors have none.
   bool is_robot() const;
   /// Its accent colour.
   QColor color() const;

@@ -1,5 +1,6 @@
 #include "world_names.hpp"
 
+#include <QDir>
 #include <QFileInfo>
 #include <QRegularExpression>
 #include <algorithm>
@@ -34,10 +35,14 @@ QString WorldNames::FreeName(const QString& name) const {
 }
 
 const flatland_msgs::ModelInfo* WorldNames::FindTwin(const QString& file, const QString& ns) const {
-  const std::string path = QFileInfo(file).canonicalFilePath().toStdString();
-  if (path.empty()) return nullptr;  // there is no such file on this machine
+  // The server looks up a relative name beside its world, and in its own folders.
+  const QString path = QFileInfo(file).isRelative() ? QDir::cleanPath("/" + file)
+                                                    : QFileInfo(file).canonicalFilePath();
+  if (path.isEmpty()) return nullptr;  // there is no such file on this machine
   for (const flatland_msgs::ModelInfo& model : models_.models) {
-    if (model.yaml_path == path && model.ns == ns.toStdString() && HasTopics(model)) return &model;
+    const QString known = QString::fromStdString(model.yaml_path);
+    const bool is_same = QFileInfo(file).isRelative() ? known.endsWith(path) : known == path;
+    if (is_same && model.ns == ns.toStdString() && HasTopics(model)) return &model;
   }
   return nullptr;
 }

@@ -12,7 +12,8 @@
 
 namespace flatland_viz {
 
-WallLines::WallLines(const float* ends, std::size_t count, const Ogre::MaterialPtr& material) {
+WallLines::WallLines(const float* ends, std::size_t count, const Ogre::MaterialPtr& material,
+                     Ogre::RenderOperation::OperationType kind) {
   Ogre::VertexDeclaration& declaration = *vertices_.vertexDeclaration;
   declaration.addElement(0, 0, Ogre::VET_FLOAT2, Ogre::VES_POSITION);
   const Ogre::HardwareVertexBufferSharedPtr buffer =
@@ -22,7 +23,7 @@ WallLines::WallLines(const float* ends, std::size_t count, const Ogre::MaterialP
   vertices_.vertexBufferBinding->setBinding(0, buffer);
   vertices_.vertexCount = count;
   mRenderOp.vertexData = &vertices_;
-  mRenderOp.operationType = Ogre::RenderOperation::OT_LINE_LIST;
+  mRenderOp.operationType = kind;
   mRenderOp.useIndexes = false;
   Ogre::AxisAlignedBox box;
   for (std::size_t i = 0; i < count; ++i) {
@@ -49,6 +50,7 @@ Ogre::MaterialPtr MakeLineMaterial(const Ogre::ColourValue& color) {
       "flatland_viz/lines/" + std::to_string(++count),
       Ogre::ResourceGroupManager::DEFAULT_RESOURCE_GROUP_NAME);
   material->setReceiveShadows(false);
+  material->setCullingMode(Ogre::CULL_NONE);  // triangles are seen from both sides
   // A self-illuminated surface without reflection has a colour independent of the light.
   material->setLightingEnabled(true);
   material->setAmbient(Ogre::ColourValue::Black);

@@ -1,6 +1,6 @@
 #pragma once
 
-/// Lines in one static vertex buffer, of a width in pixels.
+/// Lines of a width in pixels, or triangles, in one static vertex buffer.
 
 #include <OgreMaterial.h>
 #include <OgreSimpleRenderable.h>
@@ -13,10 +13,13 @@ namespace flatland_viz {
 /// computed again when the camera moves.
 class WallLines : public Ogre::SimpleRenderable {
  public:
-  /// @param ends  x, y of both ends of each line [m]; may be discarded afterwards
-  /// @param count  number of ends, at least 2
+  /// @param ends  x, y of both ends of each line, or of the corners of triangles [m]; may be
+  /// discarded afterwards
+  /// @param count  number of ends or corners, at least 2
   /// @param material  has the colour, and the lines' width
-  WallLines(const float* ends, std::size_t count, const Ogre::MaterialPtr& material);
+  /// @param kind  OT_LINE_LIST or OT_TRIANGLE_LIST
+  WallLines(const float* ends, std::size_t count, const Ogre::MaterialPtr& material,
+            Ogre::RenderOperation::OperationType kind = Ogre::RenderOperation::OT_LINE_LIST);
   ~WallLines() override;
 
   Ogre::Real getBoundingRadius() const override;

@@ -14,7 +14,9 @@
 #include <algorithm>
 #include <cmath>
 #include <pluginlib/class_list_macros.hpp>
+#include <utility>
 
+#include "wall_fill.hpp"
 #include "wall_lines.hpp"
 
 namespace flatland_viz {
@@ -23,6 +25,8 @@ namespace {
 constexpr std::size_t kNumbers = 4;                 // x1, y1, x2, y2 of a segment
 constexpr std::size_t kSegmentsPerBuffer = 8192;    // Neighbours in the list are neighbours on the
                                                     // map: buffers out of sight are left out.
+constexpr std::size_t kFillPerBuffer = 12 * 4096;   // numbers: 12 of a trapezoid
+constexpr std::size_t kMostFilled = 4000000;        // numbers of a layer that is filled
 constexpr std::size_t kSegmentsPerUpdate = 500000;  // takes some 30 ms
 constexpr float kWidth = 0.05f;                     // m
 constexpr float kWidest = 8.0f;                     // px
@@ -83,6 +87,11 @@ struct WallsDisplay::Layer {
     Ogre::MaterialManager::getSingleton().remove(material);
   }
 
+  void Add(const float* points, std::size_t count, Ogre::RenderOperation::OperationType kind) {
+    lines.push_back(std::make_unique<WallLines>(points, count, material, kind));
+    node->attachObject(lines.back().get());
+  }
+
   Ogre::ColourValue color;  // in the world's file
   Ogre::SceneNode* node;
   Ogre::MaterialPtr material;
@@ -131,28 +140,40 @@ void WallsDisplay::Clear() {
 
 /// On rviz's second thread.
 void WallsDisplay::Receive(const flatland_msgs::Walls::ConstPtr& message) {
+  Filled filled{message, {}};
+  for (const flatland_msgs::LayerWalls& layer : message->layers) {
+    const bool is_filled = layer.encloses && layer.segments.size() <= kMostFilled;
+    filled.fills.push_back(is_filled ? FillOf(layer.segments) : std::vector<float>());
+  }
   std::lock_guard<std::mutex> lock(mutex_);
-  received_ = message;
+  received_ = std::move(filled);
 }
 
 void WallsDisplay::update(float, float) {
-  flatland_msgs::Walls::ConstPtr received;
+  bool is_new;
   {
     std::lock_guard<std::mutex> lock(mutex_);
-    received.swap(received_);
+    is_new = received_.has_value();
+    if (is_new) showing_ = std::exchange(received_, std::nullopt);
   }
-  if (received) BeginShowing(received);
+  if (is_new) BeginShowing();
   if (showing_) ShowMore();
   if (!layers_.empty()) Place();
 }
 
-void WallsDisplay::BeginShowing(const flatland_msgs::Walls::ConstPtr& message) {
+void WallsDisplay::BeginShowing() {
   layers_.clear();
-  showing_ = message;
+  const flatland_msgs::Walls::ConstPtr& message = showing_->walls;
   next_layer_ = next_number_ = 0;
   frame_ = QString::fromStdString(message->header.frame_id);
   for (const flatland_msgs::LayerWalls& walls : message->layers) {
     layers_.push_back(std::make_unique<Layer>(walls.color, getSceneNode()));
+    Layer& layer = *layers_.back();
+    const std::vector<float>& fill = showing_->fills[layers_.size() - 1];
+    for (std::size_t i = 0; i < fill.size(); i += kFillPerBuffer) {
+      const std::size_t count = std::min(fill.size() - i, kFillPerBuffer) / 2;
+      layer.Add(&fill[i], count, Ogre::RenderOperation::OT_TRIANGLE_LIST);
+    }
   }
   bounds_->setValue(BoundsOf(*message));
 }
@@ -160,8 +181,8 @@ void WallsDisplay::BeginShowing(const flatland_msgs::Walls::ConstPtr& message) {
 /// Puts the next portion of the message into buffers.
 void WallsDisplay::ShowMore() {
   std::size_t budget = kSegmentsPerUpdate;
-  for (; next_layer_ < showing_->layers.size(); ++next_layer_, next_number_ = 0) {
-    const flatland_msgs::LayerWalls& walls = showing_->layers[next_layer_];
+  for (; next_layer_ < showing_->walls->layers.size(); ++next_layer_, next_number_ = 0) {
+    const flatland_msgs::LayerWalls& walls = showing_->walls->layers[next_layer_];
     Layer& layer = *layers_[next_layer_];
     const std::size_t numbers = walls.segments.size() / kNumbers * kNumbers;
     while (next_number_ < numbers) {
@@ -170,9 +191,7 @@ void WallsDisplay::ShowMore() {
         return;
       }
       const std::size_t count = std::min(numbers - next_number_, kNumbers * kSegmentsPerBuffer);
-      layer.lines.push_back(
-          std::make_unique<WallLines>(&walls.segments[next_number_], count / 2, layer.material));
-      layer.node->attachObject(layer.lines.back().get());
+      layer.Add(&walls.segments[next_number_], count / 2, Ogre::RenderOperation::OT_LINE_LIST);
       next_number_ += count;
       budget -= std::min(budget, count / kNumbers);
     }

@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 namespace rviz {
@@ -22,9 +23,9 @@ class WallLines;
 
 /// Shows the walls of all layers, from a topic with flatland_msgs/Walls.
 ///
-/// A line is 5 cm wide, but at least a pixel, so that it is visible from afar. Messages are
-/// received on rviz's second thread, and put into buffers in portions: the view stays usable
-/// meanwhile.
+/// A line is 5 cm wide, but at least a pixel, so that it is visible from afar. The outlines of a
+/// map image are filled. Messages are received on rviz's second thread, and put into buffers in
+/// portions: the view stays usable meanwhile.
 ///
 /// Walls stay when simulated time goes back, as they do not depend on it.
 class WallsDisplay : public rviz::Display {
@@ -48,7 +49,7 @@ class WallsDisplay : public rviz::Display {
 
   void Clear();
   void Receive(const flatland_msgs::Walls::ConstPtr& message);
-  void BeginShowing(const flatland_msgs::Walls::ConstPtr& message);
+  void BeginShowing();
   void ShowMore();
   void Place();
 
@@ -57,11 +58,16 @@ class WallsDisplay : public rviz::Display {
   rviz::Property* bounds_;    // "min_x min_y max_x max_y" of the walls [m]; empty without walls
   ros::Subscriber subscriber_;
   std::mutex mutex_;
-  flatland_msgs::Walls::ConstPtr received_;  // guarded by mutex_
-  flatland_msgs::Walls::ConstPtr showing_;   // until all of it is in layers_
-  std::size_t next_layer_ = 0;               // of showing_
-  std::size_t next_number_ = 0;              // of that layer's segments
-  QString frame_;                            // of the walls
+  /// A message, and for each of its layers the corners of triangles within its outlines.
+  struct Filled {
+    flatland_msgs::Walls::ConstPtr walls;
+    std::vector<std::vector<float>> fills;
+  };
+  std::optional<Filled> received_;  // guarded by mutex_
+  std::optional<Filled> showing_;   // until all of it is in layers_
+  std::size_t next_layer_ = 0;      // of showing_
+  std::size_t next_number_ = 0;     // of that layer's segments
+  QString frame_;                   // of the walls
   std::vector<std::unique_ptr<Layer>> layers_;
 };
 

@@ -10,7 +10,7 @@ def test_all_layers_share_a_display_and_each_scan_has_one():
 
     assert [(one.name, one.kind, one.topic) for one in shown] == [
         ("layers", "flatland_viz/Walls", "/flatland_server/debug/walls"),
-        ("models", "rviz/MarkerArray", "/flatland_server/debug/models"),
+        ("models", "flatland_viz/Bodies", "/flatland_server/debug/models"),
         ("front/scan", "rviz/LaserScan", "/front/scan"),
         ("scan", "rviz/LaserScan", "/scan"),
     ]

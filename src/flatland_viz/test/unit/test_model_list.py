@@ -3,7 +3,13 @@
 import pytest
 from flatland_msgs.msg import BodyInfo, ModelInfo, ModelList, PluginInfo, TopicInfo
 
-from flatland_viz.model_list import free_name, models_of, scan_owners, sorted_topics
+from flatland_viz.model_list import (
+    free_name,
+    models_of,
+    namespace_of_copy,
+    scan_owners,
+    sorted_topics,
+)
 
 ODOMETRY = TopicInfo("/r2/odometry/filtered", "nav_msgs/Odometry", True)
 COMMAND = TopicInfo("/r2/cmd_vel", "geometry_msgs/Twist", False)
@@ -55,3 +61,18 @@ def test_models_are_in_natural_order_and_own_their_scans():
 )
 def test_a_free_name_counts_on(wanted, taken, free):
     assert free_name(wanted, taken) == free
+
+
+@pytest.mark.parametrize(
+    ("namespace", "plugins", "name", "copied"),
+    [
+        ("r2", ("drive (DiffDrive)",), "robot_2", "r3"),
+        ("", ("drive (DiffDrive)",), "robot_2", "robot_2"),
+        ("", ("drive (DiffDrive)",), "2. robot-2", "m2__robot_2"),
+        ("", (), "box_2", ""),  # has no topics
+    ],
+)
+def test_a_copy_has_a_namespace_of_its_own(namespace, plugins, name, copied):
+    original = models_of(ModelList([ROBOT]))["r2"]._replace(namespace=namespace, plugins=plugins)
+    others = [original._replace(namespace="r2")]
+    assert namespace_of_copy(original, name, [original, *others]) == copied

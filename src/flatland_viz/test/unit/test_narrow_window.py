@@ -23,7 +23,7 @@ class Tool:
 
 TOOLS = [
     Tool("flatland_viz/Interact", "Interact"),
-    Tool("rviz/Measure", "Measure"),
+    Tool("flatland_viz/Measure", "Measure"),
     Tool("flatland_viz/SpawnModel", "Spawn Model"),
     Tool("flatland_viz/PauseSim", "Pause"),
     Tool("flatland_viz/ChangeRate", "Change Rate"),
@@ -76,6 +76,22 @@ def test_what_is_used_least_vanishes_first(window, application):
     window.resize(1200, 300)
     application.processEvents()
     assert visible(bar)[2] == "2D Nav Goal"
+
+
+def test_the_buttons_stay_where_they_are_when_pause_becomes_resume(window, application):
+    bar = window.addToolBar("tools")
+    for tool in TOOLS:
+        bar.addAction(tool.getName()).setIcon(icon("resume"))
+    Toolbar(bar, TOOLS)
+    window.resize(1200, 300)
+    application.processEvents()
+    actions = {action.text(): action for action in bar.actions()}
+    last = bar.widgetForAction(actions["Measure"])
+    before = last.x()
+    for name in ("Resume", "Pause"):
+        actions["Pause"].setText(name)
+        application.processEvents()
+        assert last.x() == before
 
 
 def test_a_speed_drops_words_instead_of_widening_the_window(window, application):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from flatland_viz.navigation_tools import NAVIGATION_TOOLS, show_tools, wanted_tools
+from flatland_viz.navigation_tools import NAVIGATION_TOOLS, goal_topics, show_tools, wanted_tools
 
 POSE, GOAL = NAVIGATION_TOOLS
 
@@ -22,6 +22,9 @@ class Tool:
     def subProp(self, name):
         assert name == "Topic"
         return self
+
+    def setDescription(self, text):
+        self.description = text
 
     def setValue(self, topic):
         self.topic = topic
@@ -57,6 +60,34 @@ class ToolManager:
 )
 def test_a_tool_is_wanted_if_its_topic_has_subscribers(subscribed, wanted):
     assert wanted_tools(subscribed) == wanted
+
+
+R1_GOAL = GOAL._replace(topic="/r1/move_base_simple/goal")
+R2_GOAL = GOAL._replace(topic="/r2/move_base_simple/goal")
+
+
+@pytest.mark.parametrize(
+    ("subscribed", "namespace", "wanted"),
+    [
+        ([R1_GOAL, R2_GOAL], "r1", [R1_GOAL]),
+        ([R1_GOAL, R2_GOAL], "", []),  # nothing tells which
+        ([R1_GOAL], "", [R1_GOAL]),
+        ([R1_GOAL], "r2", []),
+        ([R1_GOAL, GOAL], "r1", [R1_GOAL]),
+        ([R1_GOAL, GOAL], "", [GOAL]),
+        ([GOAL], "r1", [GOAL]),  # a planner for all robots
+    ],
+)
+def test_goals_go_to_the_selected_robot(subscribed, namespace, wanted):
+    topics = goal_topics([tool.topic for tool in subscribed] + ["/r1/scan"])
+    assert wanted_tools(topics, namespace) == wanted
+
+
+def test_a_tool_follows_the_selection():
+    manager = ToolManager(GOAL.kind)
+    show_tools(manager, [R1_GOAL])
+    show_tools(manager, [R2_GOAL])
+    assert [tool.topic for tool in manager.tools] == [R2_GOAL.topic]
 
 
 def test_tools_are_added_and_removed_and_others_stay():

@@ -1,5 +1,7 @@
 """Collection of problems by the window."""
 
+import re
+
 from flatland_viz.drive_robots import Robot
 from flatland_viz.problems import (
     Problem,
@@ -47,6 +49,17 @@ def test_a_state_that_was_cleared_comes_back_when_it_begins_again():
     problems.report("d", [], 3.0)
     problems.report("d", [FAILED], 4.0)
     assert [problem.time for problem in problems.latest_first] == [4.0]
+
+
+def test_events_are_forgotten_when_their_cause_is_gone():
+    problems = Problems()
+    problems.report("d", [FAILED], 1.0)
+    problems.add("/server", 'model "r2": /cmd_vel is shared', False, 2.0)
+    problems.add("/server", "r22 is stuck", False, 3.0)
+    problems.forget_events(re.compile(r"\br2\b"))
+    assert [problem.text for problem in problems.latest_first] == ["r22 is stuck", FAILED[1]]
+    problems.forget_events()
+    assert [problem.text for problem in problems.latest_first] == [FAILED[1]]
 
 
 def test_frames_of_one_node_are_no_problem():

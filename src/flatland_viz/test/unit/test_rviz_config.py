@@ -53,7 +53,7 @@ def test_the_window_draws_as_often_as_it_is_told(base):
 def test_the_window_has_tools_for_the_world(base):
     assert tools(for_window(base, 30)) == [
         "flatland_viz/Interact",
-        "rviz/Measure",
+        "flatland_viz/Measure",
         "flatland_viz/SpawnModel",
         "flatland_viz/PauseSim",
         "flatland_viz/ChangeRate",
@@ -68,7 +68,6 @@ def test_the_window_places_itself(base):
 @pytest.mark.parametrize(
     ("kind", "topic_property"),
     [
-        ("rviz/MarkerArray", "Marker Topic"),
         ("rviz/InteractiveMarkers", "Update Topic"),
         ("rviz/LaserScan", "Topic"),
     ],

@@ -16,7 +16,7 @@ def test_a_running_simulation():
 def test_a_paused_simulation_has_no_speed():
     paused = RUNNING._replace(is_paused=True, real_time_factor=0.0)
 
-    assert status(paused, silence=0.2) == ("12.3 s", "", "paused")
+    assert status(paused, silence=0.2) == ("12.345 s", "", "paused")
 
 
 @pytest.mark.parametrize(

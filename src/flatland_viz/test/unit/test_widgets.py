@@ -8,6 +8,8 @@ from python_qt_binding.QtWidgets import (
     QApplication,
     QFileDialog,
     QLabel,
+    QLineEdit,
+    QListWidget,
     QMainWindow,
     QSlider,
     QToolButton,
@@ -15,7 +17,7 @@ from python_qt_binding.QtWidgets import (
 
 from flatland_viz import drive_panel, model_panel
 from flatland_viz.file_dialog import ask_for_file
-from flatland_viz.labels import SelectableLabel
+from flatland_viz.labels import QuietLabel, SelectableLabel
 from flatland_viz.model_actions import ModelActions
 from flatland_viz.model_list import Model, Topic
 from flatland_viz.move_dialog import MoveDialog
@@ -23,6 +25,7 @@ from flatland_viz.screenshot import write_picture
 from flatland_viz.selection import Selection
 from flatland_viz.status import Simulation, Status
 from flatland_viz.status_line import StatusLine
+from flatland_viz.theme import Theme
 from flatland_viz.timeline import Timeline
 
 
@@ -239,3 +242,93 @@ def test_the_state_is_readable_on_a_light_desktop_and_on_a_dark_one(application,
     text = QColor(line.findChild(QLabel, "status_state").styleSheet().split()[-1])
     low, high = sorted((luminance(text), luminance(QColor(background))))
     assert (high + 0.05) / (low + 0.05) >= 4.0
+
+
+def test_clicks_on_the_status_line_pause_and_open_the_rate(application):
+    line, asked = StatusLine(), []
+    line.pause_asked.connect(asked.append)
+    line.rate_asked.connect(lambda: asked.append("rate"))
+    state, speed = line.findChild(QLabel, "status_state"), line.findChild(QLabel, "status_speed")
+    for shown in ("running", "paused", "no server"):
+        line.show_status(Status("1.0 s", "", shown))
+        QTest.mouseClick(state, Qt.LeftButton)
+    QTest.mouseClick(speed, Qt.LeftButton)
+    assert asked == [True, False, "rate"]
+
+
+def test_a_hint_that_does_not_fit_is_elided(application):
+    line = StatusLine()
+    line.show()
+    hint = line.findChild(QLabel, "status_hint")
+    for width, ends in ((1500, "all."), (700, "\u2026")):
+        line.resize(width, 30)
+        line.show_hint(f"<b>Drag:</b> Move the map. <b>Home:</b> Show it {'all ' * 20}all.")
+        application.processEvents()
+        assert hint.text().endswith(ends), hint.text()
+    assert hint.toolTip().startswith("Drag: Move the map.")
+    assert "<b>" not in hint.text()
+
+
+def test_the_status_line_shows_what_the_view_follows(actions, application):
+    line = StatusLine()
+    line.show()
+    actions.followed.connect(line.show_followed)
+    line.following_ended.connect(actions.end_following)
+    actions._follow_model = lambda name: None
+    button = line.findChild(QToolButton, "status_followed")
+    assert not button.isVisible()
+    actions.follow.trigger()
+    assert button.isVisible()
+    assert "r1" in button.text()
+    button.click()
+    assert not button.isVisible()
+    assert not actions.follow.isChecked()
+
+
+def test_the_list_of_models_is_searched(actions, application, monkeypatch):
+    monkeypatch.setattr(model_panel, "TopicMonitor", Monitor)
+    selection = Selection()
+    panel = model_panel.ModelPanel(selection, Interaction(), actions)
+    panel.set_models({name: robot(name) for name in ("r1", "crate_1", "Crate_2")})
+    search, models = panel.findChild(QLineEdit), panel.findChild(QListWidget)
+
+    def shown():
+        return [
+            models.item(row).text() for row in range(models.count()) if not models.isRowHidden(row)
+        ]
+
+    QTest.keyClicks(search, "crate")
+    assert shown() == ["crate_1", "Crate_2"]
+    panel.set_models({name: robot(name) for name in ("r1", "crate_1", "Crate_3")})
+    assert shown() == ["crate_1", "Crate_3"]
+    QTest.keyClick(search, Qt.Key_Return)
+    assert selection.name == "crate_1"
+    search.clear()
+    assert len(shown()) == 3
+
+
+def test_the_dark_look_is_readable_and_the_light_one_comes_back(application):
+    theme, label = Theme(), QuietLabel("Pose")
+    before = label.palette().color(QPalette.WindowText)
+    theme.apply("dark")
+    palette = application.palette()
+    for text, behind in (
+        (QPalette.Text, QPalette.Base),
+        (QPalette.WindowText, QPalette.Window),
+        (QPalette.ButtonText, QPalette.Button),
+        (QPalette.HighlightedText, QPalette.Highlight),
+    ):
+        low, high = sorted(luminance(palette.color(role)) for role in (text, behind))
+        assert (high + 0.05) / (low + 0.05) >= 4.5
+    seen = []
+
+    def change():  # Qt changes widgets only while it runs
+        for look in ("light", "dark", "light"):
+            theme.apply(look)
+            seen.append(label.palette().color(QPalette.WindowText))
+        application.quit()
+
+    QTimer.singleShot(0, change)
+    application.exec_()
+    assert [color.lightness() > 128 for color in seen] == [False, True, False]
+    assert seen[-1] == before

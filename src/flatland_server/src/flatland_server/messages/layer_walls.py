@@ -48,7 +48,11 @@ def walls_of(layers: List[Tuple[LayerConfig, Segments]], frame_id: str) -> LazyW
         buff.write(_LENGTH.pack(len(layers)))
         for config, segments in layers:
             # Without segments, their number is the last field.
-            LayerWalls(name=config.names[0], color=ColorRGBA(*config.color)).serialize(buff)
+            LayerWalls(
+                name=config.names[0],
+                color=ColorRGBA(*config.color),
+                encloses=config.encloses,
+            ).serialize(buff)
             buff.seek(-_LENGTH.size, 1)
             buff.write(_LENGTH.pack(segments.size))
             buff.write(segments.astype("<f4").data.cast("B"))

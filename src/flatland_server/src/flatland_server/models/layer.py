@@ -32,6 +32,7 @@ class LayerConfig:
         min_z: lower edge of its upright walls in rviz [m].
         max_z: upper edge of its upright walls in rviz [m].
         map: its map file, or the place of the map in the world file; None without one.
+        encloses: whether its walls are outlines of occupied areas: of a map image, or a grid.
     """
 
     names: Tuple[str, ...]
@@ -40,6 +41,7 @@ class LayerConfig:
     min_z: float
     max_z: float
     map: Optional[MapSource]
+    encloses: bool = False
 
     @classmethod
     def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "LayerConfig":

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Set, Tuple, Union
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import FlatlandError, ModelError, YamlError
 from flatland_server.geometry import Pose
-from flatland_server.maps.map_reader import MapConfig, read_map
+from flatland_server.maps.map_reader import MapConfig
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.layer import LayerConfig, MapSource
 from flatland_server.models.model import ModelConfig, ModelText
@@ -152,7 +152,8 @@ class WorldConfig:
         layers = reader.get_sections(
             "layers", lambda section: LayerConfig.read(section, registry), required=True
         )
-        walls = _read_walls(reader, preprocessor, simplify_map)
+        walls, images = _read_walls(reader, preprocessor, simplify_map)
+        layers = [replace(layer, encloses=layer.map in images) for layer in layers]
         files: Dict[Path, ModelConfig] = {}  # so that each file is read only once
 
         def read_model(path: Path) -> ModelConfig:
@@ -253,23 +254,29 @@ class WorldConfig:
 
 def _read_walls(
     reader: YamlReader, preprocessor: Optional[YamlPreprocessor], simplify_map: int
-) -> Dict[MapSource, Segments]:
-    """The walls of each map.
+) -> Tuple[Dict[MapSource, Segments], Set[MapSource]]:
+    """The walls of each map, and the maps that are images or grids.
 
     Includes layers with problems in their entries, so that the problems of all files are reported
     together.
     """
     walls: Dict[MapSource, Segments] = {}
+    images: Set[MapSource] = set()
 
     def read(section: YamlReader) -> None:
         source = LayerConfig.read_map_source(section)
         if isinstance(source, str):
-            walls[source] = MapConfig.read(section.get_section("map")).walls(simplify_map)
+            config = MapConfig.read(section.get_section("map"))
         elif source is not None and source not in walls and is_file(source):
-            walls[source] = read_map(source, preprocessor, simplify_map)
+            config = MapConfig.from_file(source, preprocessor)
+        else:
+            return
+        walls[source] = config.walls(simplify_map)
+        if config.is_image:
+            images.add(source)
 
     reader.get_sections("layers", read)
-    return walls
+    return walls, images
 
 
 def _read_model_entry(

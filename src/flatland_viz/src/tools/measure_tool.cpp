@@ -1,0 +1,144 @@
+#include "measure_tool.hpp"
+
+#include <OgreSceneManager.h>
+#include <OgreSceneNode.h>
+#include <OgreViewport.h>
+#include <rviz/display_context.h>
+#include <rviz/render_panel.h>
+#include <rviz/view_controller.h>
+#include <rviz/view_manager.h>
+#include <rviz/viewport_mouse_event.h>
+
+#include <cmath>
+
+#include "before_render.hpp"
+#include "flat_shape.hpp"
+#include "name_label.hpp"
+#include "screen_scale.hpp"
+
+namespace flatland_viz {
+namespace {
+
+constexpr float kMeasureZ = 0.2f;                 // m: above the models
+constexpr double kStillReach = 4;                 // pixels that the mouse may move in a click
+constexpr double kLineWidth = 3, kEndRadius = 4;  // pixels: of the line, and the radius of its ends
+const QColor kLineColor(0, 114, 178), kEdgeColor(255, 255, 255, 220);
+
+}  // namespace
+
+MeasureTool::MeasureTool() { shortcut_key_ = 'n'; }
+
+MeasureTool::~MeasureTool() {
+  before_render_.reset();
+  line_.reset();
+  label_.reset();
+  if (node_) scene_manager_->destroySceneNode(node_);
+}
+
+void MeasureTool::onInitialize() {
+  setName("Measure");
+  setCursor(Qt::CrossCursor);
+  node_ = scene_manager_->getRootSceneNode()->createChildSceneNode();
+  line_ = std::make_unique<FlatShape>(*scene_manager_, *node_, 2);
+  label_ = std::make_unique<NameLabel>(*scene_manager_, *node_);
+  before_render_ = std::make_unique<BeforeRender>(
+      *context_,
+      [this](const Ogre::Viewport& viewport, double pixel_ratio) { Show(viewport, pixel_ratio); });
+}
+
+void MeasureTool::activate() {
+  phase_ = Phase::kBefore;
+  Tell();
+}
+
+void MeasureTool::deactivate() {
+  phase_ = Phase::kBefore;
+  setStatus("");
+  context_->queueRender();
+}
+
+int MeasureTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
+  const bool is_for_view = event.type == QEvent::Wheel || event.middle() || event.right() ||
+                           event.acting_button == Qt::MiddleButton;
+  const auto world = WorldPlane::Find(*context_);
+  if (is_for_view || !world) {
+    context_->getViewManager()->getCurrent()->handleMouseEvent(event);
+    return Render;
+  }
+  const auto point = world->PointAt(event.viewport, event.x, event.y);
+  if (!point) return 0;
+  if (phase_ == Phase::kPressed || phase_ == Phase::kFollowing) {
+    end_.x = point->x;
+    end_.y = point->y;
+  }
+  // The second of two quick clicks arrives as a double click.
+  const bool is_press =
+      event.acting_button == Qt::LeftButton && event.left() && event.type != QEvent::MouseMove;
+  if (is_press && phase_ == Phase::kFollowing) {
+    phase_ = Phase::kDone;
+  } else if (is_press) {
+    phase_ = Phase::kPressed;
+    begin_.x = end_.x = point->x;
+    begin_.y = end_.y = point->y;
+  } else if (event.leftUp() && phase_ == Phase::kPressed) {
+    const double scale =
+        ScreenScale::At(world->PositionInScene({}, 0), *event.viewport).pixels_per_metre;
+    const bool is_click = Length() * scale < kStillReach * event.panel->devicePixelRatioF();
+    phase_ = is_click ? Phase::kFollowing : Phase::kDone;
+  }
+  Tell();
+  return Render;
+}
+
+double MeasureTool::Length() const { return std::hypot(end_.x - begin_.x, end_.y - begin_.y); }
+
+void MeasureTool::Tell() {
+  if (phase_ == Phase::kBefore) {
+    setStatus("<b>Drag</b>, or <b>click</b> twice: Measure a distance. <b>Esc:</b> Leave.");
+    return;
+  }
+  const double angle = std::atan2(end_.y - begin_.y, end_.x - begin_.x) * 180 / M_PI;
+  setStatus(QString("<b>%1 m</b> &nbsp; x %2 m, y %3 m, %4° &nbsp; <b>Esc:</b> Leave.")
+                .arg(Length(), 0, 'f', 3)
+                .arg(end_.x - begin_.x, 0, 'f', 3)
+                .arg(end_.y - begin_.y, 0, 'f', 3)
+                .arg(angle, 0, 'f', 1));
+}
+
+void MeasureTool::Show(const Ogre::Viewport& viewport, double pixel_ratio) {
+  const auto world = WorldPlane::Find(*context_);
+  const bool is_shown = phase_ != Phase::kBefore && world;
+  line_->SetVisible(is_shown);
+  label_->SetVisible(is_shown);
+  if (!is_shown) return;
+  geometry_msgs::Pose2D pose;
+  pose.x = begin_.x;
+  pose.y = begin_.y;
+  pose.theta = std::atan2(end_.y - begin_.y, end_.x - begin_.x);
+  const Ogre::Vector3 at = world->PositionInScene(pose, kMeasureZ);
+  const ScreenScale scale = ScreenScale::At(at, viewport);
+  const float length = static_cast<float>(Length() * scale.pixels_per_metre);
+  line_->Begin();  // in pixels
+  for (const bool is_edge : {true, false}) {
+    const double edge = is_edge ? 1.5 : 0.0;
+    const QColor& color = is_edge ? kEdgeColor : kLineColor;
+    const float half = static_cast<float>((kLineWidth / 2 + edge) * pixel_ratio);
+    line_->AddTriangle({0, half}, {0, -half}, {length, half}, color);
+    line_->AddTriangle({length, half}, {0, -half}, {length, -half}, color);
+    for (const float end : {0.0f, length}) {
+      line_->AddDisc({end, 0}, (kEndRadius + edge) * pixel_ratio, color);
+    }
+  }
+  line_->End();
+  line_->Place(at, world->OrientationInScene(pose), scale.Metres(1.0));
+  line_->SetVisible(true);
+
+  label_->Set(QString("%1 m").arg(Length(), 0, 'f', 2), {Qt::white, kLineColor, pixel_ratio});
+  pose.x = (begin_.x + end_.x) / 2;
+  pose.y = (begin_.y + end_.y) / 2;
+  const double up = label_->size().height() + kEndRadius * pixel_ratio;
+  label_->Place(world->PositionInScene(pose, kMeasureZ) + scale.Offset(0, up), viewport);
+  label_->SetVisible(true);
+}
+
+}  // namespace flatland_viz
