@@ -44,6 +44,9 @@ SUMMARISED: Dict[str, Metric] = {
     "stalled_time": Metric("stalled time [s]", -1),
     "heading_change": Metric("heading change [rad]", -1),
     "mean_jerk": Metric("mean jerk [m/s³]", -1),
+    "speed_change": Metric("change of commanded speed [m/s]", -1),
+    "turn_change": Metric("change of commanded yaw rate [rad/s]", -1),
+    "localization_error": Metric("localisation error [m]", -1),
 }
 """The metrics that are summarised, by the names of their columns."""
 
