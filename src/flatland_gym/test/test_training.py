@@ -17,7 +17,7 @@ from flatland_gym import NavigationVectorEnv, Policy, train
 from flatland_gym.evaluation import evaluate
 from flatland_gym.networks import Network, SetNetwork, layer_values
 from flatland_gym.policy_node import PolicyNode
-from flatland_gym.ppo import Ppo
+from flatland_gym.ppo import Ppo, PpoSettings
 from flatland_gym.train import main
 
 SETTINGS = {"world": "empty_room", "frame_skip": 2, "time_limit": 30.0}
@@ -360,6 +360,20 @@ def test_the_command_trains_and_says_what_is_wrong(tmp_path, capsys):
     assert 'error: unknown argument "lidr"' in capsys.readouterr().err
     assert main([str(path), "--world", "ofice", *arguments]) == 1
     assert 'error: no world is named "ofice"' in capsys.readouterr().err
+    for setting, problem in (
+        ("discont=0.9", 'the learner has no setting "discont"; there are: rollout, '),
+        ("epochs=0", "expected the learner's epochs as something like 6, found 0"),
+        ("hidden=64", "expected the learner's hidden as something like (64, 64), found 64"),
+        ("neighbor_set=1", "expected the learner's neighbor_set as something like False, found 1"),
+        ("clip=.inf", "expected the learner's clip as something like 0.2, found inf"),
+    ):
+        assert main([str(path), *arguments, "--learner", setting]) == 1
+        assert f"error: {problem}" in capsys.readouterr().err
+
+
+def test_settings_of_the_learner_from_a_command():
+    settings = PpoSettings.of({"learning_rate": "1e-3", "rollout": 32, "hidden": [8, 8]})
+    assert settings == PpoSettings(learning_rate=1e-3, rollout=32, hidden=(8, 8))
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,8 @@ enough for matrices of 64 x 64 and tens of thousands of rows at a time.
 
 import math
 import time
-from dataclasses import dataclass
-from typing import Callable, List, NamedTuple, Tuple
+from dataclasses import dataclass, fields
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Tuple
 
 import numpy as np
 
@@ -38,6 +38,7 @@ class PpoSettings:
         entropy: weight of the policy's entropy.
         hidden: sizes of the hidden layers.
         log_std: of the actions at the beginning, in units of their limits.
+        neighbor_set: whether neighbours in observations are taken for a set; see `SetNetwork`.
     """
 
     rollout: int = 64
@@ -50,6 +51,45 @@ class PpoSettings:
     entropy: float = 1e-3
     hidden: Tuple[int, ...] = (64, 64)
     log_std: float = -0.5
+    neighbor_set: bool = False
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> "PpoSettings":
+        """Settings out of values by their names, as from a command.
+
+        Raises:
+            UsageError: one is unknown or wrong.
+        """
+        known: Dict[str, Any] = {each.name: each.default for each in fields(cls)}
+        found: Dict[str, Any] = {}
+        for name, value in values.items():
+            if name not in known:
+                raise UsageError(
+                    f'the learner has no setting "{name}"; there are: {", ".join(known)}'
+                )
+            try:
+                found[name] = _like(known[name], value)
+            except (TypeError, ValueError, OverflowError):
+                raise UsageError(
+                    f"expected the learner's {name} as something like {known[name]}, found {value}"
+                ) from None
+        return cls(**found)
+
+
+def _like(default: Any, value: Any) -> Any:
+    """A value of the type of another one: finite, and whole numbers above 0.
+
+    Raises:
+        ValueError: it is none; also TypeError, OverflowError.
+    """
+    if isinstance(default, tuple):
+        return tuple(_like(default[0], each) for each in value)
+    if isinstance(default, bool) is not isinstance(value, bool):
+        raise ValueError
+    found = type(default)(value)
+    if not math.isfinite(found) or (type(default) is int and found < 1):
+        raise ValueError
+    return found
 
 
 class Scale:
@@ -156,7 +196,7 @@ class Ppo:
         self._rng = np.random.default_rng(seed)
         (size,) = env.single_observation_space.shape or ()
         self._limits = env.single_action_space.high
-        neighbors = env.navigation.settings.neighbors
+        neighbors = env.navigation.settings.neighbors if settings.neighbor_set else 0
         of_all = size - env.navigation.robot.beams - NEIGHBOR * neighbors
 
         def network(outputs: int, gain: float) -> Network:
