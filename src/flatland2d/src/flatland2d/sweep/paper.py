@@ -164,7 +164,9 @@ def _cells(name: str, rows: Sequence[Optional[Mapping[str, Any]]]) -> List[str]:
     def cell(value: Optional[float], low: Optional[float], high: Optional[float]) -> str:
         if value is None:
             return ""
-        return text(value) + (f" [{text(low)}, {text(high)}]" if None not in (low, high) else "")
+        if low is None or high is None:
+            return text(value)
+        return f"{text(value)} [{text(low)}, {text(high)}]"
 
     return [cell(*each) for each in scaled]
 

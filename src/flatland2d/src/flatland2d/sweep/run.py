@@ -336,6 +336,10 @@ def _drive_of(simulation: Simulation, robot: ModelHandle) -> Optional[_core.Driv
     """The drive of the core whose command is a velocity, if the robot has one."""
     for plugin in simulation.world.plugins_of(robot.name).values():
         role = plugin.batch_role
-        if role is not None and role.drive is not None and isinstance(role.drive.drive, _core.Drive):
+        if (
+            role is not None
+            and role.drive is not None
+            and isinstance(role.drive.drive, _core.Drive)
+        ):
             return role.drive.drive
     return None
