@@ -6,15 +6,14 @@ enough for matrices of 64 x 64 and tens of thousands of rows at a time.
 
 import math
 import time
-from dataclasses import dataclass
-from typing import Callable, List, NamedTuple, Tuple
+from dataclasses import dataclass, fields
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Tuple
 
 import numpy as np
 
 from flatland2d import MissingPackageError, UsageError
 from flatland_gym.navigation_vector_env import NavigationVectorEnv
-from flatland_gym.networks import Adam, Network, SetNetwork
-from flatland_gym.observations import NEIGHBOR
+from flatland_gym.networks import Adam, Network
 from flatland_gym.policy import Policy
 from flatland_server import BoolArray, Float32Array, FloatArray
 
@@ -51,20 +50,54 @@ class PpoSettings:
     hidden: Tuple[int, ...] = (64, 64)
     log_std: float = -0.5
 
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> "PpoSettings":
+        """Settings out of values by their names, as from a command.
+
+        Raises:
+            UsageError: one is unknown or wrong.
+        """
+        known: Dict[str, Any] = {each.name: each.default for each in fields(cls)}
+        found: Dict[str, Any] = {}
+        for name, value in values.items():
+            if name not in known:
+                raise UsageError(
+                    f'the learner has no setting "{name}"; there are: {", ".join(known)}'
+                )
+            try:
+                found[name] = _like(known[name], value)
+            except (TypeError, ValueError, OverflowError):
+                raise UsageError(
+                    f"expected the learner's {name} as something like {known[name]}, found {value}"
+                ) from None
+        return cls(**found)
+
+
+def _like(default: Any, value: Any) -> Any:
+    """A value of the type of another one: finite, and whole numbers above 0.
+
+    Raises:
+        ValueError: it is none; also TypeError, OverflowError.
+    """
+    if isinstance(default, tuple):
+        return tuple(_like(default[0], each) for each in value)
+    found = type(default)(value)
+    if not math.isfinite(found) or (type(default) is int and found < 1):
+        raise ValueError
+    return found
+
 
 class Scale:
     """Normalises observations by their means and standard deviations so far.
 
     Args:
         size: of an observation.
-        members: how many numbers at its end are left as they are.
     """
 
     _LEAST = 0.05  # standard deviation
 
-    def __init__(self, size: int, members: int = 0) -> None:
+    def __init__(self, size: int) -> None:
         self._count = 0
-        self._scaled = size - members
         self._mean, self._variance = np.zeros(size), np.zeros(size)
         self._set(np.zeros(size), np.ones(size))
 
@@ -97,7 +130,6 @@ class Scale:
 
     def _set(self, shift: FloatArray, width: FloatArray) -> None:
         self._shift, self._width = shift.astype(np.float32), width.astype(np.float32)
-        self._shift[self._scaled :], self._width[self._scaled :] = 0.0, 1.0
 
 
 class Progress(NamedTuple):
@@ -156,26 +188,18 @@ class Ppo:
         self._rng = np.random.default_rng(seed)
         (size,) = env.single_observation_space.shape or ()
         self._limits = env.single_action_space.high
-        neighbors = env.navigation.settings.neighbors
-        of_all = size - env.navigation.robot.beams - NEIGHBOR * neighbors
-
-        def network(outputs: int, gain: float) -> Network:
-            sizes = (size, *settings.hidden, outputs)
-            if not (neighbors and settings.hidden):
-                return Network(sizes, gain, self._rng)
-            return SetNetwork(sizes, gain, self._rng, (neighbors, NEIGHBOR), of_all)
-
-        self._actor = network(len(self._limits), 0.01)
-        self._critic = network(1, 1.0)
+        sizes = (size, *settings.hidden)
+        self._actor = Network((*sizes, len(self._limits)), 0.01, self._rng)
+        self._critic = Network((*sizes, 1), 1.0, self._rng)
         self._log_std = np.full(len(self._limits), settings.log_std, np.float32)
         parameters = [*self._actor.parameters, *self._critic.parameters, self._log_std]
         self._optimiser = Adam(parameters)
         self._rewards = np.zeros(env.num_envs)
         self._ended: List[Tuple[bool, float]] = []
         self._observations, _ = env.reset(seed=seed)
-        self._scale = Scale(size, NEIGHBOR * neighbors)
+        self._scale = Scale(size)
         # A robot alone learns slower with normalised beams: they drown the goal.
-        self._normalises = neighbors > 0
+        self._normalises = env.navigation.settings.neighbors > 0
         self._seed = seed
 
     def train(
@@ -226,7 +250,8 @@ class Ppo:
 
     def policy(self) -> Policy:
         """The policy as it is now."""
-        weights, biases = self._actor.layers()
+        layers = self._actor.weights, self._actor.biases
+        weights, biases = ([array.copy() for array in arrays] for arrays in layers)
         weights[0], biases[0] = self._scale.folded(weights[0], biases[0])
         return self._env.navigation.policy(weights, biases)
 

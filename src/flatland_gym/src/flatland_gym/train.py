@@ -109,11 +109,12 @@ def _learn(
 ) -> Policy:
     """Trains by `Ppo`."""
     from flatland_gym.navigation_vector_env import NavigationVectorEnv
-    from flatland_gym.ppo import Ppo
+    from flatland_gym.ppo import Ppo, PpoSettings
 
+    ppo = PpoSettings.of(dict(options.learner))
     env = NavigationVectorEnv(options.envs, options.threads, autoreset_mode="SameStep", **settings)
     try:
-        learner = Ppo(env, seed=options.seed)
+        learner = Ppo(env, ppo, options.seed)
         return learner.train(options.steps, 60.0 * options.minutes, report, _has_bar())
     finally:
         env.close()
@@ -131,6 +132,10 @@ def _learn_by_sb3(
     from flatland_gym.sb3 import NavigationVecEnv
     from flatland_gym.sb3_training import train
 
+    if options.learner:
+        raise FlatlandError(
+            "--learner is for --library numpy: Stable-Baselines3 has its own settings"
+        )
     env = NavigationVecEnv(options.envs, threads=options.threads, **settings)
     return train(env, options.seed, options.steps, 60.0 * options.minutes, report, _has_bar())
 
@@ -256,6 +261,14 @@ def _parser() -> argparse.ArgumentParser:
         default=[],
         metavar="NAME=VALUE",
         help="another argument of the environment, in YAML: --set lidar=front --set beams=32",
+    )
+    add(
+        "--learner",
+        type=_setting,
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="a setting of the learner, as of PpoSettings: --learner discount=0.995",
     )
     add("--library", choices=("numpy", "sb3"), default="numpy", help="what learns (default: numpy)")
     add("--curve", type=Path, help="draw the success over the steps into this file")
