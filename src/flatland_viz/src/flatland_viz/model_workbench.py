@@ -41,7 +41,7 @@ class ModelWorkbench(QObject):
         super().__init__(window)
         self._scene = scene
         self._models: Dict[str, Model] = {}
-        interaction = Interaction(scene.interact_tool, selection)
+        interaction = Interaction(scene.interact_tool, scene.spawn_tool, selection)
         self._actions = ModelActions(window, server, selection, interaction, scene.follow)
         self._actions.hint.connect(line.show_hint)
         self.panel = ModelPanel(selection, interaction, self._actions)
@@ -57,7 +57,7 @@ class ModelWorkbench(QObject):
         bar, view = window.menuBar(), window.findChild(QMenu, "menu_view")
         menu = QMenu("&Model", bar, objectName="menu_models")
         bar.insertMenu(view.menuAction(), menu)
-        menu.addAction(self._actions.undo)
+        menu.addActions([self._actions.undo, self._actions.redo])
         menu.addSeparator()
         self._actions.fill(menu)
         display = self._scene.models

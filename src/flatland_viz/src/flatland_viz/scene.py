@@ -253,14 +253,19 @@ class Scene(QObject):
         return self._tool(INTERACT_TOOL)
 
     @property
+    def spawn_tool(self) -> Any:
+        """The tool that spawns models; None without it."""
+        return self._tool(SPAWN_TOOL)
+
+    @property
     def can_spawn(self) -> bool:
         """True if the tool that spawns models is available."""
-        tool = self._tool(SPAWN_TOOL)
+        tool = self.spawn_tool
         return tool is not None and _child(tool.getPropertyContainer(), "Model File") is not None
 
     def spawn(self, model: str) -> None:
         """Starts the tool that spawns models, with this file."""
-        tool = self._tool(SPAWN_TOOL)
+        tool = self.spawn_tool
         self._tools.setCurrentTool(self._tools.getDefaultTool())  # cancels a spawn in progress
         properties = tool.getPropertyContainer()
         properties.subProp("Model File").setValue(model)

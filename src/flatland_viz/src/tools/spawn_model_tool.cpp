@@ -183,6 +183,7 @@ void SpawnModelTool::Spawn() {
             next.own_ns.clear();
           }
           properties_.Write(next);
+          properties_.Announce(choice, pose_);
           Q_EMIT close();
           setStatus(QString("Spawned %1.").arg(choice.Name().toHtmlEscaped()));
         }
