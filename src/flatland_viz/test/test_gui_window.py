@@ -177,6 +177,56 @@ def test_a_second_robot_gets_a_name_and_a_namespace_of_its_own(window):
     window.ros.call("/delete_model", name="turtlebot_2")
 
 
+def is_marked(window):
+    """True if the window's title shows that there are unsaved changes."""
+    window.waiting(lambda: window.screen.windows(r"Flatland - room/world\.yaml\*?"), "the window")
+    return bool(window.screen.windows(r"Flatland - room/world\.yaml\*"))
+
+
+def test_edits_are_marked_undone_redone_and_saved(window):
+    window.world.write_text(WORLD + "# mine\n")
+    window.key("F5")
+    window.press("a")
+    window.wait_for_dialog("Spawn Model")
+    window.screen.key("alt+f", "ctrl+a")
+    window.screen.type(BOX)
+    window.screen.key("alt+n", "ctrl+a")
+    window.screen.type("crate")
+    window.screen.key("Return")
+    window.screen.wait_until_closed("Spawn Model")
+    for x in (1.5, 2.5):
+        window.screen.click(window.map.pixel(x, 1.5))
+    window.wait_for_models("turtlebot", "crate")
+    window.waiting(lambda: is_marked(window), "the mark")
+    window.key("ctrl+z")
+    window.wait_for_models("turtlebot")
+    window.waiting(lambda: not is_marked(window), "no mark")
+    window.key("ctrl+shift+z")
+    window.wait_for_models("turtlebot", "crate")
+    window.screen.drag([window.map.pixel(1.5, 1.5), window.map.pixel(1.0, 1.5)])
+    window.waiting(lambda: abs(window.ros.pose("crate")[0] - 1.0) < 0.1, "the drag")
+    window.screen.picture("window_unsaved")
+
+    window.key("alt+F4")
+    window.wait_for_dialog("Flatland")
+    window.screen.picture("window_question")
+    window.screen.key("Escape")
+    window.screen.wait_until_closed("Flatland")
+    window.key("ctrl+s")
+    window.waiting(lambda: not is_marked(window), "the file to be saved")
+
+    text = window.world.read_text()
+    assert text.startswith(WORLD)
+    assert text.endswith("# mine\n")
+    assert "{name: crate, model: " in text
+    window.key("F5")
+    window.wait_for_models("turtlebot", "crate")
+    assert window.ros.pose("crate")[0] == pytest.approx(1.0, abs=0.1)
+    window.world.write_text(WORLD)
+    window.key("F5")
+    window.wait_for_models("turtlebot")
+
+
 @pytest.fixture
 def drive(window):
     """The window with the Drive panel, and the robot at rest."""
@@ -340,6 +390,7 @@ def test_after_a_crash_of_the_window_the_simulation_goes_on(window):
     [line] = [line for line in launch.output.splitlines() if "process has died" in line]
     assert "[flatland_viz-" in line
     assert "exit code -11" in line
+    launch.wait_for("rosrun flatland_viz flatland_viz")
     window.screen.wait_until_closed(TITLE)
     before = window.ros.clock()
     window.waiting(lambda: window.ros.clock() > before + 0.2, "simulated time to go on")

@@ -78,6 +78,11 @@ class ModelActions(QObject):
         return action
 
     @property
+    def has_edited(self) -> bool:
+        """True if there is something to undo."""
+        return bool(self._undo.text)
+
+    @property
     def all(self) -> Tuple[QAction, ...]:
         """The actions that concern the selected model."""
         return (

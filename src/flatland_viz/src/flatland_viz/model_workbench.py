@@ -73,6 +73,11 @@ class ModelWorkbench(QObject):
         )
         view.addAction(self.panel.toggleViewAction())
 
+    @property
+    def has_edited(self) -> bool:
+        """True if models have been changed in this window."""
+        return self._actions.has_edited
+
     def forget(self) -> None:
         """Clears the undo stack: the world has begun again."""
         self._actions.forget()

@@ -82,7 +82,9 @@ class Window(QMainWindow):
         )
         self._workbench = ModelWorkbench(self, server, scene, self.selection, self._line)
         self.tabifyDockWidget(self._workbench.panel, self._drive)  # no room for both at double size
-        self._saving = WorldSaving(self, server, self._menus)
+        self._saving = WorldSaving(
+            self, server, self._menus, lambda: self._workbench.has_edited
+        )
         self._toolbar = Toolbar(scene.toolbar, scene.tools)
         self._toolbar.add(self._menus.step, "step", "Step")
         self._toolbar.add(self._menus.reset, "reset", "Reset")
@@ -240,7 +242,7 @@ class Window(QMainWindow):
     def _keys_dialog(self) -> KeysDialog:
         menus = [(title, rows_of(menu)) for title, menu in self._menus.titled]
         tools = [(key_of(tool), tool.getName()) for tool in self._scene.tools if key_of(tool)]
-        others = [("Tools", tools), ("Driving", DRIVING), ("Mouse", MOUSE)]
+        others = [("Tools", tools), ("Driving, in the Drive panel", DRIVING), ("Mouse", MOUSE)]
         return KeysDialog(self, [menus, others])
 
     def _spawn_other(self) -> None:

@@ -18,13 +18,21 @@ class WorldSaving(QObject):
         window: its title has the place of the mark.
         server: writes the file.
         menus: have the actions.
+        has_edited: whether models have been changed in this window, and not by programs alone.
     """
 
-    def __init__(self, window: QMainWindow, server: Server, menus: Menus) -> None:
+    def __init__(
+        self,
+        window: QMainWindow,
+        server: Server,
+        menus: Menus,
+        has_edited: Callable[[], bool],
+    ) -> None:
         super().__init__(window)
         self._window = window
         self._server = server
         self._menus = menus
+        self._has_edited = has_edited
         self._world = ""
         menus.save_asked.connect(lambda: server.save(""))
         menus.save_as_asked.connect(self._save_as)
@@ -47,9 +55,10 @@ class WorldSaving(QObject):
             then: the action; called after they are saved, or if they are to be dropped.
 
         Returns:
-            True if there are unsaved changes, and so a question; otherwise nothing is done.
+            True if there are unsaved changes of this window, and so a question; otherwise nothing
+            is done.
         """
-        if not self._window.isWindowModified():
+        if not (self._window.isWindowModified() and self._has_edited()):
             return False
         box = QMessageBox(
             QMessageBox.Question,

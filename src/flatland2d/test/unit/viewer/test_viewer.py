@@ -8,6 +8,7 @@ import pytest
 from flatland2d.simulation import Simulation
 from flatland2d.viewer.viewer import Viewer
 from flatland_server.exceptions import FlatlandError
+from flatland_teleop.driving_keys import Direction
 
 SIZE = (400, 300)
 DRIVES = {
@@ -43,9 +44,8 @@ class Keys:
     def __init__(self, viewer):
         self.viewer = viewer
 
-    def hold(self, seconds=0.0, **axes):
-        held = {"forwards": 0.0, "left": 0.0, "turn": 0.0, "is_fast": False, **axes}
-        self.viewer.drive.command(self.viewer.chosen, **held)
+    def hold(self, seconds=0.0, is_slow=False, **parts):
+        self.viewer.drive.command(self.viewer.chosen, Direction(**parts), is_slow=is_slow)
         for _ in range(round(seconds / 0.05)):
             self.viewer.advance(0.05)
 
@@ -70,11 +70,11 @@ def test_keys_drive_the_robot_until_they_are_released(viewer, keys, simulation):
     keys.hold(1.0, forwards=1.0)
     assert simulation.models["diff"].pose.x == pytest.approx(-3.5, abs=0.01)
 
-    keys.hold(1.0, forwards=1.0, is_fast=True)
-    assert simulation.models["diff"].pose.x == pytest.approx(-2.5, abs=0.02)
+    keys.hold(2.0, forwards=1.0, is_slow=True)
+    assert simulation.models["diff"].pose.x == pytest.approx(-3.0, abs=0.02)
 
     keys.hold(1.0)
-    assert simulation.models["diff"].pose.x == pytest.approx(-2.5, abs=0.02)
+    assert simulation.models["diff"].pose.x == pytest.approx(-3.0, abs=0.02)
 
     keys.hold(1.0, turn=-1.0)
     assert simulation.models["diff"].pose.yaw == pytest.approx(-1.0, abs=0.01)

@@ -1,0 +1,14 @@
+# Flatland with a screen that a browser shows; docs/install.md, "Container", tells how to use it.
+#
+#   docker build --tag flatland --file docker/Dockerfile .
+#   docker build --tag flatland-screen --file docker/screen.Dockerfile .
+FROM flatland
+
+USER 0
+RUN apt-get update \
+  && DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends novnc websockify x11vnc \
+  && rm -rf /var/lib/apt/lists/*
+
+USER 1000
+EXPOSE 6080
+ENTRYPOINT ["docker/screen"]
