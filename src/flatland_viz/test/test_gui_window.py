@@ -227,6 +227,44 @@ def test_edits_are_marked_undone_redone_and_saved(window):
     window.wait_for_models("turtlebot")
 
 
+def test_the_way_of_a_robot_is_drawn_and_its_topics_are_plotted(window):
+    window.ros.call("/reset", restart_time=True)
+    window.screen.focus(window.id)
+    window.screen.click(window.map.pixel(0.0, 0.0))
+
+    def line(color):
+        pixels = window.screen.picture("window_trail")
+        return near(pixels[window.screen.view(pixels)], color, 20).sum()
+
+    before = line((0, 115, 178))
+    window.key("t")
+    driver = window.ros.start(
+        "rostopic", "pub", "-r", "10", "/cmd_vel", "geometry_msgs/Twist", "{linear: {x: 0.3}}"
+    )
+    window.waiting(lambda: line((0, 115, 178)) + line((230, 158, 0)) > before + 100, "the way")
+    left, top, right, bottom = window.screen.inside(window.id)
+    rows = iter(list(range(bottom - window.screen.px(60), top, -window.screen.px(15))))
+
+    def opens_plot():
+        if not window.screen.windows("Plot: .*"):
+            place = (right - window.screen.px(180), next(rows))
+            window.screen.move(place)
+            window.screen.xdotool("click", "--repeat", 2, "--delay", 50, 1)
+            time.sleep(1.0)  # it takes a second to open, and one is enough
+        return window.screen.windows("Plot: .*")
+
+    plot = window.waiting(opens_plot, "a plot")[-1]
+
+    def curve():
+        return near(window.screen.picture_of(plot, "window_plot"), (0, 114, 178), 30).sum()
+
+    window.waiting(lambda: curve() > 200, "a curve")
+    window.screen.xdotool("windowclose", plot)
+    window.ros.end(driver)
+    window.key("t")
+    window.waiting(lambda: line((0, 115, 178)) <= before + 20, "no way")
+
+
 @pytest.fixture
 def drive(window):
     """The window with the Drive panel, and the robot at rest."""
