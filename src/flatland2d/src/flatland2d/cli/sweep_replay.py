@@ -155,7 +155,7 @@ class RunViewer(Viewer):
     def note_step(self) -> None:
         """Notes that a step was made."""
         self.due = max(0, self.due - 1)
-        self._note_trail()
+        self._trail.note(self.chosen, reads_odometry=False)
 
     def end(self, outcome: str) -> None:
         """Stops the time, and says how the run has ended."""
