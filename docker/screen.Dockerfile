@@ -2,9 +2,11 @@
 #
 #   docker build --tag flatland --file docker/Dockerfile .
 #   docker build --tag flatland-screen --file docker/screen.Dockerfile .
+# hadolint ignore=DL3006
 FROM flatland
 
 USER 0
+# hadolint ignore=DL3008
 RUN apt-get update \
   && DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends novnc websockify x11vnc \
   && rm -rf /var/lib/apt/lists/*

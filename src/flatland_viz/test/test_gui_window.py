@@ -242,8 +242,8 @@ def test_the_way_of_a_robot_is_drawn_and_its_topics_are_plotted(window):
         "rostopic", "pub", "-r", "10", "/cmd_vel", "geometry_msgs/Twist", "{linear: {x: 0.3}}"
     )
     window.waiting(lambda: line((0, 115, 178)) + line((230, 158, 0)) > before + 100, "the way")
-    left, top, right, bottom = window.screen.inside(window.id)
-    rows = iter(list(range(bottom - window.screen.px(60), top, -window.screen.px(15))))
+    _, top, right, bottom = window.screen.inside(window.id)
+    rows = iter(range(bottom - window.screen.px(60), top, -window.screen.px(15)))
 
     def opens_plot():
         if not window.screen.windows("Plot: .*"):

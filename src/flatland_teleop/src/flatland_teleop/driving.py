@@ -5,7 +5,6 @@ from typing import Dict, NamedTuple
 from flatland_teleop.driving_keys import DIRECTIONS, SLOW, direction
 from flatland_teleop.keys import KeyEvent
 
-
 STOPS = (" ", "focus_out")
 _FACTORS = {
     "+": (1.1, 1.1),

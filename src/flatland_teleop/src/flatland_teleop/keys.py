@@ -91,7 +91,7 @@ def _escape_event(match: "re.Match[str]") -> Optional[KeyEvent]:
         name = _ARROWS.get(match["end"])
     if name is None:
         return None
-    is_directed = name in _ARROWS.values() or name.isalpha() and len(name) == 1
+    is_directed = name in _ARROWS.values() or (name.isalpha() and len(name) == 1)
     has_shift = is_directed and bool(modifiers & _SHIFT)
     return KeyEvent(name, kind == _RELEASE, is_protocol, has_shift)
 

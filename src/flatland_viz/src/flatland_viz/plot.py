@@ -119,7 +119,8 @@ def _show(pyqtgraph: Any, names: List[str], seconds: float) -> None:
     plot.addLegend()
     plot.resize(720, 360)
     plot.show()
-    curves, drawn = Curves(names, seconds), {}
+    curves = Curves(names, seconds)
+    drawn: Dict[str, Any] = {}
 
     def update() -> None:
         if rospy.is_shutdown():

@@ -82,9 +82,7 @@ class Window(QMainWindow):
         )
         self._workbench = ModelWorkbench(self, server, scene, self.selection, self._line)
         self.tabifyDockWidget(self._workbench.panel, self._drive)  # no room for both at double size
-        self._saving = WorldSaving(
-            self, server, self._menus, lambda: self._workbench.has_edited
-        )
+        self._saving = WorldSaving(self, server, self._menus, lambda: self._workbench.has_edited)
         self._toolbar = Toolbar(scene.toolbar, scene.tools)
         self._toolbar.add(self._menus.step, "step", "Step")
         self._toolbar.add(self._menus.reset, "reset", "Reset")

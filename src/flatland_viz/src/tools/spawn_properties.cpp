@@ -45,9 +45,9 @@ void SpawnProperties::Write(const ModelChoice& choice) {
 }
 
 void SpawnProperties::Announce(const ModelChoice& choice, const geometry_msgs::Pose2D& pose) {
-  const QJsonObject spawned{{"name", choice.Name()},       {"ns", choice.Namespace()},
-                            {"file", choice.file},         {"x", pose.x},
-                            {"y", pose.y},                 {"theta", pose.theta},
+  const QJsonObject spawned{{"name", choice.Name()}, {"ns", choice.Namespace()},
+                            {"file", choice.file},   {"x", pose.x},
+                            {"y", pose.y},           {"theta", pose.theta},
                             {"number", ++spawns_}};  // the same may be spawned twice
   spawned_->setString(QJsonDocument(spawned).toJson(QJsonDocument::Compact));
 }

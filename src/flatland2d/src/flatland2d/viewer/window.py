@@ -8,8 +8,8 @@ from typing import Any, Callable, Dict, Optional, Tuple
 from flatland2d.viewer.display_libraries import missing_libraries
 from flatland2d.viewer.keys import KEYS
 from flatland2d.viewer.viewer import Viewer
-from flatland_teleop.driving_keys import DIRECTIONS, direction
 from flatland_server.exceptions import MissingPackageError
+from flatland_teleop.driving_keys import DIRECTIONS, direction
 
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 os.environ.setdefault("SDL_VIDEO_X11_WMCLASS", "flatland")

@@ -8,7 +8,7 @@ are taken from PyYAML's marks, and only they are replaced.
 import json
 import re
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Set, Tuple
 
 import yaml
 
@@ -52,8 +52,8 @@ class WorldFileText:
         self._text = composed.content.decode("utf-8-sig")
         self._mark = b"\xef\xbb\xbf" if composed.content.startswith(b"\xef\xbb\xbf") else b""
         self._line_end = "\r\n" if "\r\n" in self._text else "\n"
-        self._root = composed.documents[0]
-        self._list = _value(self._root, "models")
+        self._root: Any = composed.documents[0]
+        self._list: Any = _value(self._root, "models")  # None without one
         self._resolved = {
             name: node for node in _items(_value(root, "models")) for name in _enabled_name(node)
         }
@@ -103,18 +103,15 @@ class WorldFileText:
                 written = _scalar(node.value.replace(name, str(file.resolve())))
                 self._changes.append((begin, end, written))
 
-    def _entry(self, name: str) -> yaml.MappingNode:
+    def _entry(self, name: str) -> Any:
         """The entry of a model, as it is written."""
         resolved = self._resolved.get(name)
         if resolved is None:
             raise FlatlandError(f'the file has no model "{name}" any more')
         for node in _items(self._list):
-            if isinstance(node, yaml.MappingNode) and self._is_here(node):
-                if node.start_mark == resolved.start_mark or (
-                    node.start_mark.index == resolved.start_mark.index
-                    and node.start_mark.name == resolved.start_mark.name
-                ):
-                    return node
+            is_entry = isinstance(node, yaml.MappingNode) and self._is_here(node)
+            if is_entry and _place(node) == _place(resolved):
+                return node
         raise error_at(resolved, f'the model "{name}" is written here: change it by hand')
 
     def _is_here(self, node: yaml.Node) -> bool:
@@ -124,7 +121,7 @@ class WorldFileText:
 
     # Poses
 
-    def _move(self, entry: yaml.MappingNode, former: PoseValues, pose: PoseValues) -> None:
+    def _move(self, entry: Any, former: PoseValues, pose: PoseValues) -> None:
         for key, value in entry.value:
             if key.value == "pose":
                 self._replace_pose(key, value, former, pose)
@@ -153,7 +150,7 @@ class WorldFileText:
 
     # Entries
 
-    def _change_list(self, gone: Any, added: List[NewEntry]) -> None:
+    def _change_list(self, gone: Set[int], added: List[NewEntry]) -> None:
         key = next((key for key, _ in _pairs(self._root) if key.value == "models"), None)
         if key is None:
             self._add_key(added)
@@ -176,7 +173,7 @@ class WorldFileText:
             self._remove_lines(items, gone)
             self._add_lines(items[-1], added)
 
-    def _remove_lines(self, items: List[yaml.Node], gone: Any) -> None:
+    def _remove_lines(self, items: List[yaml.Node], gone: Set[int]) -> None:
         for item in items:
             if id(item) in gone:
                 dash = self._dash(item)
@@ -249,7 +246,7 @@ class WorldFileText:
             return alias.span()
         return node.start_mark.index, self._end(node, after)
 
-    def _end(self, node: yaml.Node, after: int) -> int:
+    def _end(self, node: Any, after: int) -> int:
         """The end of a node without the comments and blank lines after it."""
         if node.start_mark.index < after:
             return self._span(node, after)[1]
@@ -269,7 +266,12 @@ class WorldFileText:
 
 def plain(node: yaml.Node) -> Any:
     """The value of a resolved node, to compare it with another one."""
-    return yaml.constructor.SafeConstructor().construct_document(node)
+    constructor: Any = yaml.constructor.SafeConstructor()
+    return constructor.construct_document(node)
+
+
+def _place(node: yaml.Node) -> Tuple[str, int]:
+    return node.start_mark.name, node.start_mark.index
 
 
 def _pairs(node: Optional[yaml.Node]) -> List[Tuple[yaml.Node, yaml.Node]]:
@@ -287,9 +289,7 @@ def _value(node: Optional[yaml.Node], name: str) -> Optional[yaml.Node]:
 def _enabled_name(entry: yaml.Node) -> Iterator[str]:
     """The name of an entry, if it is enabled."""
     values: Dict[str, str] = {
-        key.value: value.value
-        for key, value in _pairs(entry)
-        if isinstance(value, yaml.ScalarNode)
+        key.value: value.value for key, value in _pairs(entry) if isinstance(value, yaml.ScalarNode)
     }
     if "name" in values and values.get("enabled", "true").lower() not in ("false", "no", "off"):
         yield values["name"]

@@ -136,9 +136,7 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
         manager.on_tick.append(markers.update)
         manager.after_jump.append(markers.time_has_jumped)
         manager.on_tick.append(ModelPublisher(manager, config.viz_pub_rate).update)
-        handles = InteractiveMarkerManager(
-            manager, transport, config.viz_pub_rate, FRAME_ID, edits
-        )
+        handles = InteractiveMarkerManager(manager, transport, config.viz_pub_rate, FRAME_ID, edits)
         manager.on_tick.append(handles.update)
     if config.history:
         try:

@@ -24,7 +24,7 @@ class Changes(NamedTuple):
     added: List[ModelEntry]
 
     @property
-    def count(self) -> int:
+    def number(self) -> int:
         """The number of models that differ."""
         return len(self.poses) + len({*self.deleted, *(entry.name for entry in self.added)})
 
@@ -103,7 +103,7 @@ class ClientEdits:
         """The number of models that differ from the file."""
         if not (self._poses or self._deleted or self._added):
             return 0
-        return self.changes.count
+        return self.changes.number
 
     @property
     def _entries(self) -> Tuple[ModelEntry, ...]:

@@ -41,9 +41,7 @@ class WorldSaving:
 
     def _save_world(self, request: Any) -> Dict[str, Any]:
         path = self._files.written_world(request.path)
-        config, changes = self._host.call(
-            lambda: (self._manager.world.config, self._edits.changes)
-        )
+        config, changes = self._host.call(lambda: (self._manager.world.config, self._edits.changes))
         if config.path is None:
             raise FlatlandError("the world was made without a file")
         with_file = [entry for entry in changes.added if entry.model.content is None]
@@ -53,7 +51,7 @@ class WorldSaving:
         self._write(path, content, expected, config)
         self._host.call(lambda: self._take_over(config, saved, path))
         self._host.world_is_open(str(path))
-        message = f"{counted(saved.count, 'changed model')} saved in {path}"
+        message = f"{counted(saved.number, 'changed model')} saved in {path}"
         if unsaved:
             message += f"; without a file, and not saved: {', '.join(unsaved)}"
         return {"message": message}
@@ -71,9 +69,9 @@ class WorldSaving:
             NewEntry(entry.name, entry.namespace, _name_of(entry, folders), entry.pose)
             for entry in changes.added
         ]
-        former = {entry.name: tuple(entry.pose) for entry in config.models}
+        former = {entry.name: entry.pose for entry in config.models}
         text.change_models(
-            {name: (former[name], tuple(pose)) for name, pose in changes.poses.items()},
+            {name: (former[name], pose) for name, pose in changes.poses.items()},
             changes.deleted,
             added,
         )

@@ -203,7 +203,8 @@ def test_a_model_is_added_to_lists_of_any_form(files, models, expected):
 
 
 @pytest.mark.parametrize(
-    "models", ["models:  # two\n- {name: e, model: box.yaml}\n", "models: [{name: e, model: box.yaml}]"]
+    "models",
+    ["models:  # two\n- {name: e, model: box.yaml}\n", "models: [{name: e, model: box.yaml}]"],
 )
 def test_all_models_may_go(files, models):
     server = Server(files, f"properties: {{}}\nlayers: []\n{models}")
