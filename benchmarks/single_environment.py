@@ -3,8 +3,8 @@
     usage: single_environment.py [--blocks 40]
 
 Needs Flatland and its extra gym. The robot turns on the spot. Figures are the least processor time
-of alternating blocks: of a `Simulation` with a command, a step and a scan, of the environment, and
-of the environment with Gymnasium's wrappers.
+of alternating blocks: of the core's calls for a command, a step and a scan, of a `Simulation` with
+the same, of the environment, and of the environment with Gymnasium's wrappers.
 """
 
 import argparse
@@ -37,12 +37,21 @@ def measure(beams: int, blocks: int) -> Dict[str, float]:
     drive, lidar = robot.drives[found.drive.name], robot.sensors[found.lidar.name]
     sim.move(robot.name, info["pose"])
 
+    physics, core_drive = sim.world.physics, found.drive.batch_role.drive.drive
+    core_lidar = found.lidar.batch_role.lidar.lidar
+
+    def step_core() -> None:
+        core_drive.command(0.0, 0.0, 0.5)
+        physics.step_until_contact(sim.step_size, 1)
+        core_lidar.ranges()
+
     def simulate() -> None:
         drive.command(0.0, 0.5)
         sim.step()
         lidar.read()
 
     works: Dict[str, Callable[[], object]] = {
+        "core": step_core,
         "Simulation": simulate,
         "environment": lambda: inner.step(action),
         "with Gymnasium's wrappers": lambda: env.step(action),

@@ -17,6 +17,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
     cases = [Case("room", number) for number in options.robots]
     cases += [Case("batch", size) for size in options.batch]
     cases += [Case("team", size) for size in options.team]
+    cases += [Case("crowd", size) for size in options.crowd]
     simulators = (FLATLAND, FLATLAND_SUBSTEPS) if options.alone else SIMULATORS
     used = [each for each in simulators if any(case.suits(each) for case in cases)]
     comparison = Comparison(used, cases)
@@ -108,6 +109,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--robots", type=int, nargs="*", default=[1, 10, 100, 1000], help="in one room")
     add("--batch", type=int, nargs="*", default=[1024], help="sizes of batches (default: 1024)")
     add("--team", type=int, nargs="*", default=[], help="sizes of teams, 1,024 of each; with VMAS")
+    add("--crowd", type=int, nargs="*", default=[], help="of agents with ORCA in one place")
     add("--alone", action="store_true", help="without the peers, which nothing is installed for")
     add("--json", type=Path, help="write all values into this file; see peers.schema.json")
     add("--markdown", type=Path, help="write the table into this file")

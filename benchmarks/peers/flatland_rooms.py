@@ -134,9 +134,49 @@ class Teams:
         self._batch.close()
 
 
+class Crowd:
+    """Agents who cross an open place by ORCA, without robots and scans.
+
+    Args:
+        robots: how many agents.
+        seed: of the scenario.
+        substeps: physics steps in a step.
+    """
+
+    def __init__(self, robots: int, seed: int, substeps: int) -> None:
+        self.robots = robots
+        self._substeps = substeps
+        layout = Scenario(robots, seed)
+        people = zip(layout.poses.tolist(), layout.crowd_goals().tolist())
+        crowd = {
+            "type": "Crowd",
+            "name": "agent",
+            "motion": "orca",
+            "orca": scenario.ORCA,
+            "update_rate": 1.0 / scenario.STEP,
+            "speed": scenario.SPEED,
+            "radius": scenario.ROBOT_RADIUS + scenario.SAFE_RADIUS,
+            "pedestrians": [{"pose": pose, "goals": [goal, pose[:2]]} for pose, goal in people],
+        }
+        world = {"properties": {}, "layers": [{"name": "place"}], "plugins": [crowd]}
+        self._simulation = Simulation(world, step_size=scenario.STEP / substeps)
+
+    def run(self, steps: int) -> None:
+        """Steps."""
+        self._simulation.step(steps * self._substeps)
+
+    def scans(self) -> List[Any]:
+        """There are none."""
+        return []
+
+    def close(self) -> None:
+        """Ends the simulation."""
+        self._simulation.close()
+
+
 def open_room(kind: str, variant: str, robots: int, seed: int) -> Any:
-    """A `Room`, a `Batch` or `Teams`, by the kind."""
-    kinds = {"room": Room, "batch": Batch, "team": Teams}
+    """A `Room`, a `Batch`, `Teams` or a `Crowd`, by the kind."""
+    kinds = {"room": Room, "batch": Batch, "team": Teams, "crowd": Crowd}
     return kinds[kind](robots, seed, SUBSTEPS[variant])
 
 

@@ -17,6 +17,10 @@ STEP = 0.1
 FIRST_BEAM = -math.pi
 INCREMENT = 2 * math.pi / (BEAMS - 1)
 """Angle between beams [rad]. The first and the last beam both point backwards."""
+ORCA = {"horizon": 2.0, "wall_horizon": 1.0, "distance": 5.0, "neighbors": 10}
+"""Of crowds: as the keys of our Crowd."""
+SAFE_RADIUS = 0.1
+"""Of an agent beyond its radius [m]: ir-sim's default. Its agents stop for good if they touch."""
 SPEED = 0.5
 YAW_RATE = 1.0
 STEPS_PER_COMMAND = 10
@@ -60,6 +64,10 @@ class Scenario:
     def command(self, step: int) -> int:
         """The row of `commands` for a step."""
         return step // STEPS_PER_COMMAND % _BLOCKS
+
+    def crowd_goals(self) -> "np.ndarray[Any, Any]":
+        """The goal of each agent of a crowd: through the room's middle, as far beyond it [m]."""
+        return ROOM - self.poses[:, :2]
 
     def exact_ranges(self) -> "np.ndarray[Any, Any]":
         """Exact ranges to discs and walls, without the other robots [m]: shape (robots, 64)."""

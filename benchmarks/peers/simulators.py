@@ -23,6 +23,8 @@ class Simulator(NamedTuple):
     about: str
     has_teams: bool = False
     """Whether it has batches of rooms with several robots."""
+    has_crowds: bool = False
+    """Whether it has agents that avoid each other by ORCA."""
 
 
 FLATLAND = Simulator(
@@ -35,6 +37,7 @@ FLATLAND = Simulator(
     True,
     "Box2D's rigid bodies and contacts, in one physics step of 0.1 s",
     has_teams=True,
+    has_crowds=True,
 )
 FLATLAND_SUBSTEPS = FLATLAND._replace(
     name="Flatland, 20 x 5 ms",
@@ -44,16 +47,18 @@ FLATLAND_SUBSTEPS = FLATLAND._replace(
 IRSIM = Simulator(
     "ir-sim",
     "irsim_rooms",
-    "ir-sim==2.12.0",
+    "ir-sim[all]==2.12.0",
     "",
     "",
     100,
     False,
     'kinematics; a robot that touches something stays there (collision_mode "stop", its default)',
+    has_crowds=True,
 )
 IRSIM_CONTACT = IRSIM._replace(
     name="ir-sim, contact",
     variant="contact",
+    has_crowds=False,
     about='bodies that overlap are pushed apart (collision_mode "contact")',
 )
 IRSIM_X = Simulator(
@@ -89,7 +94,7 @@ class Case(NamedTuple):
     """Robots that are measured together."""
 
     kind: str
-    """"room", "batch" or "team"; see `open_room`."""
+    """"room", "batch", "team" or "crowd"; see `open_room`."""
     robots: int
 
     @property
@@ -104,6 +109,8 @@ class Case(NamedTuple):
             return f"batch of {self.robots:,}"
         if self.kind == "team":
             return f"{TEAMS:,} teams of {self.robots:,}"
+        if self.kind == "crowd":
+            return f"crowd of {self.robots:,}"
         return "1 robot" if self.robots == 1 else f"{self.robots:,} robots"
 
     def suits(self, simulator: Simulator) -> bool:
@@ -112,6 +119,8 @@ class Case(NamedTuple):
             return simulator.has_batches
         if self.kind == "team":
             return simulator.has_teams
+        if self.kind == "crowd":
+            return simulator.has_crowds
         return self.robots <= simulator.most_robots
 
 

@@ -27,15 +27,15 @@ def validate(text):
 def test_a_small_run_writes_what_it_has_measured(tmp_path):
     files = [tmp_path / "peers.json", tmp_path / "peers.md"]
     command = [sys.executable, str(HERE / "compare.py"), "--alone", "--rounds", "2"]
-    command += ["--seconds", "0.01", "--robots", "1", "3", "--batch", "4"]
+    command += ["--seconds", "0.01", "--robots", "1", "3", "--batch", "4", "--crowd", "5"]
     command += ["--json", str(files[0]), "--markdown", str(files[1])]
     run = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
 
     values = validate(files[0].read_text())
     cases = values["simulators"]["Flatland"]["cases"]
-    assert list(cases) == ["robots_1", "robots_3", "batch_4"]
+    assert list(cases) == ["robots_1", "robots_3", "batch_4", "crowd_5"]
     assert all(len(case["values"]) == 2 for case in cases.values())
-    assert [case["wrong ranges"] for case in cases.values()] == [0.0, None, 0.0]
+    assert [case["wrong ranges"] for case in cases.values()] == [0.0, None, 0.0, None]
     assert "| Flatland | " in files[1].read_text()
     assert "Flatland, batch of 4: 0 %" in run.stdout
 

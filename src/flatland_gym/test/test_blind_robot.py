@@ -15,6 +15,14 @@ def test_a_blind_robot_collides_in_at_least_half_of_the_episodes(world):
     assert collisions.mean() >= 0.5
 
 
+def test_without_people_a_blind_robot_arrives():
+    found = evaluate(
+        StraightDriver(64), seeds=range(2), world="crossing", beams=64, params={"/people": 0}
+    )
+
+    assert found.success.all()
+
+
 def test_episodes_of_a_scene_have_its_start_and_goal_unless_options_give_others():
     import gymnasium
 

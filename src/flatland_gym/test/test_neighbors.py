@@ -123,3 +123,11 @@ def test_a_scale_is_that_of_all_rows_and_goes_into_a_layer():
     np.testing.assert_allclose(
         seen @ layer[0] + layer[1], scale.of(seen) @ weights + biases, atol=1e-4
     )
+
+
+def test_a_scale_leaves_members_of_a_set_as_they_are():
+    rows = np.array([[1.0, 2.0, 5.0], [3.0, 9.0, 7.0]], np.float32)
+    scale = Scale(3, members=2)
+    scale.take(rows)
+
+    assert scale.of(rows).tolist() == [[-1.0, 2.0, 5.0], [1.0, 9.0, 7.0]]

@@ -15,7 +15,7 @@ from environments import make
 from flatland2d import FlatlandError, UsageError, messages
 from flatland_gym import NavigationVectorEnv, Policy, train
 from flatland_gym.evaluation import evaluate
-from flatland_gym.networks import Network
+from flatland_gym.networks import Network, SetNetwork, layer_values
 from flatland_gym.policy_node import PolicyNode
 from flatland_gym.ppo import Ppo
 from flatland_gym.train import main
@@ -186,12 +186,23 @@ def test_a_bar_shows_the_progress(capsys):
     assert "1024 steps, success " in shown
 
 
-def test_gradients_are_those_of_differences():
-    rng = np.random.default_rng(1)
-    network = Network((5, 7, 6, 3), 1.0, rng)
+def drawn_network(kind, rng):
+    """A network with drawn parameters: of 5 numbers, or of 5 and a set of two times 3."""
+    network = (
+        Network((5, 7, 6, 3), 1.0, rng)
+        if kind is Network
+        else SetNetwork((11, 8, 6, 3), 1.0, rng, members=(2, 3), context=2)
+    )
     for parameter in network.parameters:
         parameter += rng.normal(0.0, 0.1, parameter.shape).astype(np.float32)
-    inputs = rng.normal(size=(4, 5)).astype(np.float32)
+    return network
+
+
+@pytest.mark.parametrize("kind", [Network, SetNetwork])
+def test_gradients_are_those_of_differences(kind):
+    rng = np.random.default_rng(1)
+    network = drawn_network(kind, rng)
+    inputs = rng.normal(size=(4, 5 if kind is Network else 11)).astype(np.float32)
     towards = rng.normal(size=(4, 3)).astype(np.float32)
     gradients = network.backward(network.forward(inputs), towards)
 
@@ -204,6 +215,22 @@ def test_gradients_are_those_of_differences():
             values.append(float((network.forward(inputs)[-1] * towards).sum()))
             parameter[place] = former
         assert gradient[place] == pytest.approx((values[0] - values[1]) / 2e-2, rel=0.02, abs=5e-3)
+
+
+def test_members_of_a_set_have_no_order():
+    rng = np.random.default_rng(2)
+    network = drawn_network(SetNetwork, rng)
+    inputs = rng.normal(size=(4, 11)).astype(np.float32)
+    exchanged = inputs[:, [0, 1, 2, 3, 4, 8, 9, 10, 5, 6, 7]]
+
+    found = network.forward(inputs)[-1]
+
+    assert network.forward(exchanged)[-1] == pytest.approx(found, abs=1e-5)
+    connected = layer_values(*network.layers(), inputs)[-1]  # as a policy has it
+    assert connected == pytest.approx(found, abs=1e-5)
+    other = inputs.copy()
+    other[:, 5:8] += 1.0
+    assert network.forward(other)[-1] != pytest.approx(found, abs=0.01)
 
 
 def untrained():

@@ -8,7 +8,7 @@ import rospkg
 import rospy
 import tcpros_client
 from flatland_msgs.msg import DebugTopicList
-from flatland_msgs.srv import ChangeRate, GetModelMarkers
+from flatland_msgs.srv import ChangeRate, GetModelMarkers, SpawnModel, SpawnModelRequest
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
@@ -24,6 +24,14 @@ OFFICE = Path(rospkg.RosPack().get_path("flatland_server")) / "worlds" / "office
 TURTLEBOT = str(OFFICE / "turtlebot.model.yaml")
 BOX = str(OFFICE / "box.model.yaml")
 SLOW_MODEL = Path(__file__).resolve().parent / "worlds" / "slow_to_read.model.yaml"
+
+
+GUARD = """
+bodies: [{name: base, footprints: [{type: circle, radius: 0.1, density: 1}]}]
+plugins:
+  - {type: Gps, name: gps, body: base, static_tf: true}
+  - {type: Imu, name: imu, body: base, static_tf: true}
+"""
 
 
 MODEL, YAML = "ModelError", "YamlError"
@@ -111,6 +119,21 @@ class Services(RecordingCase):
             self.assertTrue(delete(name).success)
         wait_until(lambda: ServerTopics.ask() == before, "the topics of deleted robots to go")
         self.assertFalse([frame for frame in self.frames() if frame.startswith(("r1", "r2"))])
+
+    def test_a_later_subscriber_gets_the_static_transforms_of_plugins_and_server(self):
+        request = SpawnModelRequest(yaml_path=GUARD, name="guard", ns="guard")
+        self.assertTrue(call("/spawn_model_from_string", SpawnModel, request).success)
+        mounts = {("guard_base", "guard_gps"), ("guard_base", "guard_imu")}
+        wait_until(lambda: mounts <= self.static_edges(), "the mounts")
+
+        later = Recorder("/tf_static", TFMessage)
+        first = wait_until(lambda: later.messages, "the latched message")[0]
+        later.close()
+
+        edges = {(t.header.frame_id, t.child_frame_id) for t in first.transforms}
+        self.assertLessEqual({("map", "odom")} | mounts, edges)
+        self.assertTrue(delete("guard").success)
+        wait_until(lambda: not mounts & self.static_edges(), "the mounts to go")
 
     def test_a_model_within_another_one_is_spawned_with_a_warning(self):
         self.assertEqual(spawn(BOX, "alone", "", 3.0, -1.0).message, "")

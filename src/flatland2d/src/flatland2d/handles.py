@@ -19,7 +19,7 @@ from flatland_server.geometry import Pose, Velocity
 from flatland_server.models.model import Model
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin import Plugin
-from flatland_server.simulation.run import Run
+from flatland_server.simulation.run_with_history import RunWithHistory
 from flatland_server.timekeeper import Timekeeper
 
 Reading = TypeVar("Reading")
@@ -41,7 +41,7 @@ class ModelHandle:
         drives: the plugins that take commands, by their names; see `ModelPlugin.command`.
     """
 
-    def __init__(self, simulation: Run, name: str) -> None:
+    def __init__(self, simulation: RunWithHistory, name: str) -> None:
         self.name = name
         self._simulation = simulation
         self._current = simulation.world.plugin_revision

@@ -20,7 +20,6 @@ from typing import (
     NamedTuple,
     Optional,
     Pattern,
-    Set,
     Tuple,
     Union,
 )
@@ -30,9 +29,10 @@ from flatland2d.recording_format import Channel
 from flatland_server.arguments import several
 from flatland_server.config.ros_names import is_topic
 from flatland_server.exceptions import MessageError, RecordingError, shortened
-from flatland_server.geometry import Pose, Transform
+from flatland_server.geometry import Transform
 from flatland_server.messages.message_types import get
 from flatland_server.messages.wire_form import serialized
+from flatland_server.serving.map_to_odom import MapToOdom
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.serialized_transforms import TransformQueue
@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from flatland2d.ros2_messages import Ros2Messages
 
 _ALWAYS = ("/clock", "/tf", "/tf_static")
-_WORLD_FRAME = "map"
 _TICK = struct.Struct("<2I")
 _SEQUENCE = struct.Struct("<I")
 
@@ -60,7 +59,7 @@ class Recorder(Tap):
     """Records messages with the simulated time at which they were published or sent.
 
     The times of the steps and the transforms are always recorded, as `/clock` and `/tf`, and the
-    identity from `map` to the frames of odometry as `/tf_static`: without them, rviz could not show
+    identity from `map` to the frames of odometry on `/tf_static`: without them, rviz could not show
     the other topics. As with `rosbag record`, a recorded topic counts as subscribed to.
 
     Args:
@@ -90,19 +89,18 @@ class Recorder(Tap):
     ) -> None:
         self._transport = transport
         self._timekeeper = timekeeper
-        self._odometry_frames = odometry_frames
         self._patterns = None if topics is None or topics == "all" else _compiled(topics)
         self._wanted: Dict[str, bool] = {}
         self._channels: Dict[Tuple[str, Any, bool], Channel] = {}
         self._waiting: List[_Message] = []
         self._transforms: Dict[int, TransformQueue] = {}  # the waiting ones, by their time
         self._sequences: Dict[str, int] = {}
-        self._static_frames: Set[str] = set()
         self._clock_type = get("rosgraph_msgs/Clock")
         self._transforms_type = get("tf2_msgs/TFMessage")
         self._ros2 = _ros2_messages() if ros2 else None
         self._is_open = True
         self._file = RecordingFile(path, encoding="cdr" if ros2 else "ros1")
+        self._map_to_odom = MapToOdom(transport, odometry_frames, always=())
         transport.open_tap(self)
         try:
             self.write_step()
@@ -172,6 +170,7 @@ class Recorder(Tap):
             return
         self._is_open = False
         self._transport.close_tap(self)
+        self._map_to_odom.close()
         try:
             for each in self._waiting:
                 self._write(each)
@@ -185,6 +184,7 @@ class Recorder(Tap):
         self.close()
 
     def _write_waiting(self) -> None:
+        self._map_to_odom.publish_new()
         now = self._timekeeper.nanoseconds
         waiting, self._waiting = self._waiting, []
         self._transforms.clear()
@@ -193,7 +193,6 @@ class Recorder(Tap):
             if each.nanoseconds < now:
                 self._write(each)
         self._write_data("/clock", self._clock_type, now, _TICK.pack(*divmod(now, 1_000_000_000)))
-        self._write_static_frames(now)
         for each in waiting:
             if each.nanoseconds >= now:
                 self._write(each)
@@ -225,7 +224,7 @@ class Recorder(Tap):
     def _channel(self, topic: str, kind: Any, is_latched: bool) -> Channel:
         if self._ros2 is None:
             return Channel(topic, kind._type, kind._md5sum, kind._full_text, is_latched)
-        name, definition, checksum, _ = self._ros2.type_of(kind)
+        name, definition, checksum, *_ = self._ros2.type_of(kind)
         return Channel(topic, name, checksum, definition, is_latched, "cdr")
 
     def _numbered(self, topic: str, kind: Any, data: bytes) -> bytes:
@@ -234,17 +233,6 @@ class Recorder(Tap):
             return data
         number = self._sequences[topic] = self._sequences.get(topic, 0) + 1
         return _SEQUENCE.pack(number) + data[_SEQUENCE.size :]
-
-    def _write_static_frames(self, now: int) -> None:
-        """Writes the identity from the map to all frames of odometry if there is a new one."""
-        frames = self._static_frames.union(self._odometry_frames()) - {_WORLD_FRAME}
-        if frames == self._static_frames:
-            return
-        self._static_frames = frames
-        queue = TransformQueue()
-        for frame in sorted(frames):
-            queue.add(Transform(now, _WORLD_FRAME, frame, Pose()))
-        self._write_data("/tf_static", self._transforms_type, now, queue.take(), is_latched=True)
 
 
 def _ros2_messages() -> "Ros2Messages":

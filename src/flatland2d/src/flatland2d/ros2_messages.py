@@ -6,9 +6,9 @@ zero; the number of a header is left out. A type that ROS 2 does not have, such 
 flatland_msgs, keeps the definition of ROS 1, with names of fields in lower case.
 """
 
-from typing import Any, Callable, Dict, NamedTuple
+from typing import Any, Callable, Dict, NamedTuple, Tuple
 
-from flatland_server.exceptions import MissingPackageError
+from flatland_server.exceptions import FlatlandError, MissingPackageError, shortened
 
 try:
     from rosbags.convert.converter import is_same_wireformat, migrate_bytes
@@ -29,20 +29,33 @@ class Ros2Type(NamedTuple):
     to_cdr: Callable[[bytes], bytes]
     """Turns a message that is serialized as in ROS 1 into CDR, little-endian, with its 4 bytes of
     encapsulation."""
+    from_cdr: Callable[[bytes], bytes]
+    """Turns CDR into a message that is serialized as in ROS 1; wrong data raises any exception."""
 
 
 class Ros2Messages:
-    """Types of ROS 1 as those of ROS 2 Humble, whose definitions later distributions share.
+    """Types of ROS 1 as those of a distribution of ROS 2.
+
+    Args:
+        distribution: its name. The types that Flatland has are the same since Humble.
+
+    Attributes:
+        store: all types of ROS 2 that are known, in the form of rosbags.
 
     Raises:
         MissingPackageError: rosbags is not installed.
+        FlatlandError: there is no such distribution, or rosbags does not know it.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, distribution: str = "humble") -> None:
         if get_typestore is None:
             raise MissingPackageError("messages of ROS 2 need rosbags: pip install 'rosbags>=0.11'")
         self._ros1 = get_typestore(Stores.EMPTY)
-        self._ros2 = get_typestore(Stores.ROS2_HUMBLE)
+        known = {each.value[5:]: each for each in Stores if each.value.startswith("ros2_")}
+        if distribution not in known:
+            names = ", ".join(known)
+            raise FlatlandError(f'expected a ROS 2 of {names}, found "{shortened(distribution)}"')
+        self.store = get_typestore(known[distribution])
         self._defaults: Dict[str, object] = {}
         self._types: Dict[str, Ros2Type] = {}
 
@@ -62,23 +75,27 @@ class Ros2Messages:
         fields = get_types_from_msg(kind._full_text, name)
         new = {key: each for key, each in fields.items() if key not in self._ros1.fielddefs}
         self._ros1.register(new)
-        missing = [key for key in new if key not in self._ros2.fielddefs]
-        self._ros2.register({key: _with_lower_case_names(new[key]) for key in missing})
-        definition, _ = self._ros2.generate_msgdef(name, ros_version=2)
-        return Ros2Type(name, definition, self._ros2.hash_rihs01(name), self._converter(name))
+        missing = [key for key in new if key not in self.store.fielddefs]
+        self.store.register({key: _with_lower_case_names(new[key]) for key in missing})
+        definition, _ = self.store.generate_msgdef(name, ros_version=2)
+        return Ros2Type(name, definition, self.store.hash_rihs01(name), *self._converters(name))
 
-    def _converter(self, name: str) -> Callable[[bytes], bytes]:
-        ros1, ros2 = self._ros1, self._ros2
+    def _converters(self, name: str) -> Tuple[Callable[[bytes], bytes], Callable[[bytes], bytes]]:
+        """Functions that turn messages of ROS 1 into CDR, and back."""
+        ros1, ros2, cache = self._ros1, self.store, self._defaults
         if is_same_wireformat(ros1, ros2, name, name):
-            return lambda data: bytes(ros2.ros1_to_cdr(data, name))
-
-        def migrated(data: bytes) -> bytes:
-            cache = self._defaults
-            return bytes(
-                migrate_bytes(ros1, ros2, name, name, cache, data, src_is2=False, dst_is2=True)
+            return (
+                lambda data: bytes(ros2.ros1_to_cdr(data, name)),
+                lambda data: bytes(ros2.cdr_to_ros1(data, name)),
             )
-
-        return migrated
+        return (
+            lambda data: bytes(
+                migrate_bytes(ros1, ros2, name, name, cache, data, src_is2=False, dst_is2=True)
+            ),
+            lambda data: bytes(
+                migrate_bytes(ros2, ros1, name, name, cache, data, src_is2=True, dst_is2=False)
+            ),
+        )
 
 
 def _with_lower_case_names(definition: Any) -> Any:

@@ -5,7 +5,8 @@ from typing import Any, Dict, Iterable
 from flatland_server.arguments import shown
 from flatland_server.exceptions import TopicError, UsageError, listed, shortened, suggestion
 from flatland_server.geometry import Transform
-from flatland_server.simulation.run import Run
+from flatland_server.messages.conversions import transform_of
+from flatland_server.simulation.run_with_history import RunWithHistory
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
@@ -14,7 +15,7 @@ from flatland_server.transport.topic_registry import type_name
 TF = "/tf"
 
 
-class SimulatedTopics(Run):
+class SimulatedTopics(RunWithHistory):
     """The part of a `Simulation` that handles topics.
 
     Args: those of `Run`; the world's transport must be a `LocalTransport`.
@@ -67,7 +68,7 @@ class SimulatedTopics(Run):
         if name not in self._subscribed:
             self._require_known(name, self.transport.topics, "publishes to")
             self.subscribe(name)
-            if self.world.is_between_steps:
+            if self.world.is_between_steps and self.transport.last_latched(name) is None:
                 with self.transport.without_delivery():
                     self.world.contents.plugins.publish_now(name, self.timekeeper)
                 self._raise_failures()
@@ -82,7 +83,11 @@ class SimulatedTopics(Run):
         """
         if TF not in self._subscribed:
             raise TopicError('expected subscribe("/tf") before the steps', TF)
-        return dict(self.transport.transforms)
+        static = self.transport.static_transforms.transforms
+        return {
+            **{frame: transform_of(message) for frame, message in static.items()},
+            **self.transport.transforms,
+        }
 
     def publish(self, topic: str, message: Any) -> None:
         """Publishes a message; its subscribers get it at once, and act on it in the next step.

@@ -14,6 +14,7 @@ from flatland_benchmark.plugin_cases import PLUGIN_CASES
 from flatland_benchmark.ray_cases import RAY_CASES
 from flatland_benchmark.robot_cases import ROBOT_CASES
 from flatland_benchmark.server_cases import SERVER_CASES
+from flatland_benchmark.start_case import START_CASE
 from flatland_benchmark.window_cases import WINDOW_CASES
 
 CASES: Dict[str, Case] = {
@@ -27,6 +28,7 @@ CASES: Dict[str, Case] = {
         *BRANCH_CASES,
         HISTORY_CASE,
         *SERVER_CASES,
+        START_CASE,
         *WINDOW_CASES,
         *CONTACT_CASES,
         *PLUGIN_CASES,

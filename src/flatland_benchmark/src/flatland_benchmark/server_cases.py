@@ -70,7 +70,6 @@ def _figures(interval: Interval, server: ServerProcess) -> Figures:
         "times real time": interval.times_real_time,
         "CPU per step [us]": interval.cpu_per_step,
         "memory [MB]": server.server.memory,
-        "start [s]": server.seconds_to_start,
     }
 
 

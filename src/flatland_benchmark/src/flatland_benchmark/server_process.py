@@ -169,6 +169,7 @@ class ServerProcess:
         if self._rosout:
             self.start("rosout", [executable("rosout", "rosout")])
             self.wait_until(lambda: "/rosout" in self.subscribers("/clock"), "rosout")
+        self.started_at = time.time()
         self.server = self.start("flatland_server", self._command())
         started = time.monotonic()
         self.observer = self.subscribe("observer")

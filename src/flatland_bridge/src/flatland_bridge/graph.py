@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from functools import cached_property
-from typing import Any, Callable, Dict, NamedTuple, Optional
+from typing import Any, Callable, Dict, FrozenSet, NamedTuple, Optional
 
 from flatland_server.exceptions import FlatlandError, suggestion
 from flatland_server.messages.service_types import ServiceType
@@ -76,10 +76,12 @@ class Topics(NamedTuple):
     Attributes:
         published: topics with a publisher.
         subscribed: topics with a subscriber.
+        latched: names of topics whose last message new subscribers get.
     """
 
     published: Dict[str, str]
     subscribed: Dict[str, str]
+    latched: FrozenSet[str] = frozenset()
 
     @property
     def types(self) -> Dict[str, str]:

@@ -3,17 +3,21 @@
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any, Callable, Mapping, Optional, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Sequence
 
 from flatland2d.world_source import WorldSource, open_world
 from flatland_bridge.foxglove_session import SUBPROTOCOLS, FoxgloveSession
-from flatland_bridge.graph import Graph
+from flatland_bridge.graph import BridgeError, Graph
 from flatland_bridge.rosbridge_session import Providers, RosbridgeSession
 from flatland_bridge.shared_transport import SharedTransport
 from flatland_bridge.simulated_graph import SimulatedGraph
 from flatland_bridge.websocket_server import Access, Endpoint, WebSocketServer
+from flatland_server.exceptions import MissingPackageError
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.timekeeper import Timekeeper
+
+if TYPE_CHECKING:
+    from flatland_bridge.dds_server import DdsServer
 
 ROSBRIDGE, FOXGLOVE = "rosbridge", "Foxglove"
 
@@ -48,6 +52,22 @@ def serve_clients(
     return WebSocketServer(endpoints, access)
 
 
+def _dds_server(graph: Graph, access: Access, distribution: str) -> "DdsServer":
+    """Serves nodes of ROS 2, until it is closed."""
+    try:
+        from flatland_bridge.dds_server import DdsServer
+    except ImportError as error:
+        if error.name is None or error.name.startswith("flatland"):
+            raise
+        raise MissingPackageError(
+            f"--ros2 needs {error.name}: pip install 'flatland2d[bridge,ros2]'"
+        ) from None
+    if access.token is not None:
+        raise BridgeError("DDS has no token: leave out either --token or --ros2")
+    address = "" if access.host in ("0.0.0.0", "::", "") else access.host
+    return DdsServer(graph, None if access.is_local else address, distribution)
+
+
 class Server:
     """A simulation and its clients.
 
@@ -63,9 +83,13 @@ class Server:
         access: who may connect.
         rosbridge_port: of rosbridge and the page; 0 takes a free one.
         foxglove_port: of Foxglove; 0 takes a free one.
+        ros2: the distribution of ROS 2 whose nodes get the topics over DDS; None is none.
+
+    Attributes:
+        dds: what serves ROS 2, if anything.
 
     Raises:
-        FlatlandError: the world cannot be loaded, or a port cannot be used.
+        FlatlandError: the world cannot be loaded, or a port or DDS cannot be used.
     """
 
     def __init__(
@@ -82,6 +106,7 @@ class Server:
         access: Access = Access(),  # noqa: B008 (immutable)
         rosbridge_port: int = 9090,
         foxglove_port: int = 8765,
+        ros2: Optional[str] = None,
     ) -> None:
         self.transport = SharedTransport(params)
         opened = open_world(
@@ -101,6 +126,9 @@ class Server:
             self.graph = SimulatedGraph(self.manager, state_folder)
             self.clients = serve_clients(self.graph, rosbridge_port, foxglove_port, access)
             stack.callback(self.clients.close)
+            self.dds = None if ros2 is None else _dds_server(self.graph, access, ros2)
+            if self.dds is not None:
+                stack.callback(self.dds.close)
             self._stack = stack.pop_all()
 
     def run(self, goes_on: Callable[[], bool]) -> None:

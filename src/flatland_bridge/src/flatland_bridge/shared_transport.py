@@ -4,7 +4,7 @@ import logging
 import threading
 import time
 from collections import deque
-from typing import Any, Callable, Deque, Dict, Mapping
+from typing import Any, Callable, Deque, Dict, Mapping, Set
 
 from flatland_bridge.graph import BridgeError
 from flatland_server.transport.local_transport import LocalTransport
@@ -26,12 +26,14 @@ class SharedTransport(ThreadCalls, LocalTransport):
 
     Attributes:
         types: the types of all topics that were opened, by absolute name.
+        latched: the absolute names of those whose last message new subscribers get.
         is_ending: makes `process` return at once.
     """
 
     def __init__(self, params: Mapping[str, Any]) -> None:
         super().__init__(dict(params), ())
         self.types: Dict[str, str] = {}
+        self.latched: Set[str] = set()
         self.is_ending = False
         self._waiting: Deque[Callable[[], None]] = deque()
         self._arrival = threading.Event()
@@ -39,7 +41,9 @@ class SharedTransport(ThreadCalls, LocalTransport):
     def advertise(
         self, topic: str, message_type: Any, *, latch: bool, queue_size: int
     ) -> Publisher:
-        self.types[self.resolve(topic)] = type_name(message_type)
+        name = self.resolve(topic)
+        self.types[name] = type_name(message_type)
+        (self.latched.add if latch else self.latched.discard)(name)
         return super().advertise(topic, message_type, latch=latch, queue_size=queue_size)
 
     def subscribe(

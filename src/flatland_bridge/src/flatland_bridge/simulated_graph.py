@@ -7,6 +7,7 @@ from typing import Any, Callable, Dict, FrozenSet, List, Optional, TypeVar
 
 from flatland_bridge.graph import BridgeError, Graph, Receive, Sample, Topics, require_type
 from flatland_bridge.shared_transport import SharedTransport
+from flatland_bridge.simulation_interfaces import SimulationInterfaces
 from flatland_server.config.shipped_worlds import shipped_worlds
 from flatland_server.geometry import Transform
 from flatland_server.messages import ros_time
@@ -69,12 +70,15 @@ class SimulatedGraph(Graph, Tap):
             ModelPublisher(manager, _VIEW_RATE),
             ModelMarkerPublisher(world, _VIEW_RATE, FRAME_ID),
             StatePublisher(manager, edits),
-            MapToOdom(world),
+            MapToOdom(self._transport, lambda: world.odometry_frames),
         )
         files = _WorldsByName(world, state_folder or world.config.model_folders[0])
         ModelServices(world, self._host, files, edits)
         StateServices(manager, self._host, files, _CONTROL_PERIOD)
         WorldSaving(manager, self._host, files, edits)
+        standard = SimulationInterfaces(manager, self._host, self._host.actions)
+        for name, (kind, action) in standard.actions.items():
+            self._host.add(name, kind, action)
         self._topics_timer = RealTimeTimer(_TOPICS_PERIOD)
         self._topics = self._present_topics()
         self._transport.open_tap(self)
@@ -179,6 +183,7 @@ class SimulatedGraph(Graph, Tap):
         return Topics(
             {name: types[name] for name in published},
             {name: types[name] for name in sorted(transport.subscribed) if name in types},
+            frozenset(transport.latched),
         )
 
     def _sample(self, topic: str, message: Any) -> Sample:
@@ -202,8 +207,12 @@ class _Host(ServiceHost):
 
     def offer(self, name: str, type_name: str, action: Action) -> None:
         if name not in self._refused:
-            self.actions[f"/{name}"] = action
-            self.services[f"/{name}"] = get_service(type_name)
+            self.add(name, get_service(type_name), action)
+
+    def add(self, name: str, service: ServiceType, action: Action) -> None:
+        """Offers a service of a type that is not one of Flatland's or of ROS."""
+        self.actions[f"/{name}"] = action
+        self.services[f"/{name}"] = service
 
     def call(self, function: Callable[[], T]) -> T:
         return self._transport.call(function)

@@ -35,6 +35,8 @@ class MultiRobotVectorEnv(NavigationVectorEnv):
         FlatlandError: an argument is wrong, or the world cannot be used.
     """
 
+    _STATE = (*NavigationVectorEnv._STATE, "present", "acted")
+
     def __init__(
         self,
         num_envs: int = 1,
@@ -89,6 +91,15 @@ class MultiRobotVectorEnv(NavigationVectorEnv):
     def _begin(self, indices: Any, options: Mapping[str, Any]) -> None:
         super()._begin(indices, options)
         self._team.present[indices] = self._acted[indices] = True
+
+    def _own_state(self, index: int) -> Dict[str, Any]:
+        robots = {"present": self._team.present, "acted": self._acted}
+        marks = {name: each[index].tolist() for name, each in robots.items()}
+        return {**super()._own_state(index), **marks}
+
+    def _take_state(self, index: int, state: Mapping[str, Any]) -> None:
+        super()._take_state(index, state)
+        self._team.present[index], self._acted[index] = state["present"], state["acted"]
 
     def _flat(self) -> Float32Array:
         flat = self.navigation.observe()

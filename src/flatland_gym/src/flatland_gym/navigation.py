@@ -151,7 +151,7 @@ class Navigation:
                 self._fleet(episode.world).reset(np.array([index]), [episode])
         rows = indices
         if self._team > 1:
-            rows = (self._team * indices[:, None] + np.arange(self._team)).ravel()
+            rows = self._rows_of(indices).ravel()
         self.goals[rows] = [goal for episode in episodes for goal in episode.goals]
         self._world_of[rows] = [episode.world for episode in episodes for _ in episode.goals]
         self.steps[rows] = 0
@@ -231,28 +231,23 @@ class Navigation:
         return poses, velocities
 
     def save_states(self, indices: IntArray) -> List[Dict[str, Any]]:
-        """The states of environments with their episodes, as plain data.
-
-        Raises:
-            UsageError: they have several robots.
-        """
-        if self._team > 1:
-            raise UsageError("expected environments with one robot: states of teams are not saved")
+        """The states of environments with their episodes, as plain data."""
+        rows = self._rows_of(indices)
         states: Dict[int, bytes] = {}
-        for world in np.unique(self._world_of[indices]).tolist():
-            chosen = indices[self._world_of[indices] == world]
+        for world in np.unique(self._world_of[rows]).tolist():
+            chosen = indices[self._world_of[rows[:, 0]] == world]
             states.update(zip(chosen.tolist(), self._fleet(world).save_states(chosen)))
         return [
             {
-                "world": int(self._world_of[k]),
+                "world": int(self._world_of[own[0]]),
                 "simulation": states[k],
-                "goal": self.goals[k].tolist(),
-                "distance": float(self.distances[k]),
-                "success": bool(self.successes[k]),
-                "collided": bool(self.rows.collided[k]),
-                "steps": int(self.steps[k]),
+                "goal": self.goals[own].tolist(),
+                "distance": self.distances[own].tolist(),
+                "success": self.successes[own].tolist(),
+                "collided": self.rows.collided[own].tolist(),
+                "steps": self.steps[own].tolist(),
             }
-            for k in indices.tolist()
+            for k, own in zip(indices.tolist(), rows)
         ]
 
     def load_states(self, indices: IntArray, states: Sequence[Mapping[str, Any]]) -> None:
@@ -268,16 +263,24 @@ class Navigation:
         worlds = np.array([state["world"] for state in states], dtype=int)
         if not ((worlds >= 0) & (worlds < len(self._worlds))).all():
             raise UsageError("the state is of an environment with more worlds")
+        robots = {len(state["goal"]) for state in states}
+        if robots != {self._team}:
+            raise UsageError(f"expected states with {self._team} robots, found {max(robots)}")
         for world in np.unique(worlds).tolist():
             chosen = np.flatnonzero(worlds == world).tolist()
             loaded = [states[k]["simulation"] for k in chosen]
             self._fleet(world).load_states(indices[chosen], loaded)
-        self._world_of[indices] = worlds
-        self.goals[indices] = [state["goal"] for state in states]
-        self.distances[indices] = [state["distance"] for state in states]
-        self.successes[indices] = [state["success"] for state in states]
-        self.rows.collided[indices] = [state["collided"] for state in states]
-        self.steps[indices] = [state["steps"] for state in states]
+        rows = self._rows_of(indices)
+        self._world_of[rows] = worlds[:, None]
+        self.goals[rows] = [state["goal"] for state in states]
+        self.distances[rows] = [state["distance"] for state in states]
+        self.successes[rows] = [state["success"] for state in states]
+        self.rows.collided[rows] = [state["collided"] for state in states]
+        self.steps[rows] = [state["steps"] for state in states]
+
+    def _rows_of(self, indices: IntArray) -> IntArray:
+        """The rows of the robots of environments: (k, m)."""
+        return self._team * indices[:, None] + np.arange(self._team)
 
     def observe(self) -> Float32Array:
         """Flat observations of all robots: a new array."""

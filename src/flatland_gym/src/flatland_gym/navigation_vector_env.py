@@ -24,12 +24,6 @@ from flatland_server import BoolArray, Float32Array, FloatArray, plain_data
 
 _IN_NOTEBOOKS = 9
 
-_STATE = (
-    *("world", "simulation", "goal", "distance", "success", "collided", "steps"),
-    *("rng", "seed", "ended"),
-)
-"""The keys of a state."""
-
 Seeds = Union[None, int, Sequence[Optional[int]]]
 
 
@@ -51,6 +45,12 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
     Raises:
         FlatlandError: an argument is wrong, or the world cannot be used.
     """
+
+    _STATE: Tuple[str, ...] = (
+        *("world", "simulation", "goal", "distance", "success", "collided", "steps"),
+        *("rng", "seed", "ended"),
+    )
+    """The keys of a state."""
 
     def __init__(
         self,
@@ -175,14 +175,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
             raise UsageError("expected reset before save_states")
         indices = np.flatnonzero(self._chosen(mask, "mask"))
         return [
-            plain_data.dumps(
-                {
-                    **state,
-                    "rng": self._generator(k).bit_generator.state,
-                    "seed": self._seeds[k],
-                    "ended": bool(self._ended[k]),
-                }
-            )
+            plain_data.dumps({**state, **self._own_state(k)})
             for k, state in zip(indices.tolist(), self.navigation.save_states(indices))
         ]
 
@@ -205,14 +198,39 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         chosen = self._chosen(mask, "mask")
         indices = np.flatnonzero(chosen)
         given = states_of(states, len(indices))
-        loaded = {state: _state_of(state) for state in dict.fromkeys(given)}
+        loaded = {state: self._content_of(state) for state in dict.fromkeys(given)}
         self.navigation.load_states(indices, [loaded[state] for state in given])
         for k, state in zip(indices.tolist(), (loaded[each] for each in given)):
-            generator = self._generator(k)
-            generator.bit_generator.state = state["rng"]
-            self._seeds[k], self._ended[k] = state["seed"], state["ended"]
+            self._take_state(k, state)
         self._is_running = True
         return self._observations(), self._infos(chosen)
+
+    def _own_state(self, index: int) -> Dict[str, Any]:
+        """What an environment's state has besides that of `navigation`."""
+        return {
+            "rng": self._generator(index).bit_generator.state,
+            "seed": self._seeds[index],
+            "ended": bool(self._ended[index]),
+        }
+
+    def _take_state(self, index: int, state: Mapping[str, Any]) -> None:
+        """Puts back what `_own_state` has given."""
+        self._generator(index).bit_generator.state = state["rng"]
+        self._seeds[index], self._ended[index] = state["seed"], state["ended"]
+
+    def _content_of(self, state: bytes) -> Dict[str, Any]:
+        """The content of a state.
+
+        Raises:
+            UsageError: it is none, damaged, or of another kind of environment.
+        """
+        try:
+            content = plain_data.loads(state)
+        except ValueError:
+            content = None
+        if not isinstance(content, dict) or content.keys() != set(self._STATE):
+            raise UsageError(f"expected a state of save_states, found {state!r:.80}")
+        return content
 
     def render(self) -> Optional[Tuple[Any, ...]]:
         """A picture or a line of text of each environment, as the render mode says.
@@ -344,21 +362,6 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         if not self._is_running and not mask.all():
             raise UsageError("expected a reset of all environments before one of some")
         return np.array(mask)
-
-
-def _state_of(state: bytes) -> Dict[str, Any]:
-    """The content of a state.
-
-    Raises:
-        UsageError: it is none, or damaged.
-    """
-    try:
-        content = plain_data.loads(state)
-    except ValueError:
-        content = None
-    if not isinstance(content, dict) or content.keys() != set(_STATE):
-        raise UsageError(f"expected a state of save_states, found {state!r:.80}")
-    return content
 
 
 def _mode(value: Any) -> AutoresetMode:

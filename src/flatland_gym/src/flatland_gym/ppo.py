@@ -13,7 +13,8 @@ import numpy as np
 
 from flatland2d import MissingPackageError, UsageError
 from flatland_gym.navigation_vector_env import NavigationVectorEnv
-from flatland_gym.networks import Adam, Network
+from flatland_gym.networks import Adam, Network, SetNetwork
+from flatland_gym.observations import NEIGHBOR
 from flatland_gym.policy import Policy
 from flatland_server import BoolArray, Float32Array, FloatArray
 
@@ -42,7 +43,7 @@ class PpoSettings:
     rollout: int = 64
     minibatch: int = 1024
     epochs: int = 6
-    learning_rate: float = 5e-4
+    learning_rate: float = 1e-3
     discount: float = 0.99
     trace: float = 0.95
     clip: float = 0.2
@@ -56,12 +57,14 @@ class Scale:
 
     Args:
         size: of an observation.
+        members: how many numbers at its end are left as they are.
     """
 
     _LEAST = 0.05  # standard deviation
 
-    def __init__(self, size: int) -> None:
+    def __init__(self, size: int, members: int = 0) -> None:
         self._count = 0
+        self._scaled = size - members
         self._mean, self._variance = np.zeros(size), np.zeros(size)
         self._set(np.zeros(size), np.ones(size))
 
@@ -94,6 +97,7 @@ class Scale:
 
     def _set(self, shift: FloatArray, width: FloatArray) -> None:
         self._shift, self._width = shift.astype(np.float32), width.astype(np.float32)
+        self._shift[self._scaled :], self._width[self._scaled :] = 0.0, 1.0
 
 
 class Progress(NamedTuple):
@@ -152,16 +156,24 @@ class Ppo:
         self._rng = np.random.default_rng(seed)
         (size,) = env.single_observation_space.shape or ()
         self._limits = env.single_action_space.high
-        sizes = (size, *settings.hidden)
-        self._actor = Network((*sizes, len(self._limits)), 0.01, self._rng)
-        self._critic = Network((*sizes, 1), 1.0, self._rng)
+        neighbors = env.navigation.settings.neighbors
+        of_all = size - env.navigation.robot.beams - NEIGHBOR * neighbors
+
+        def network(outputs: int, gain: float) -> Network:
+            sizes = (size, *settings.hidden, outputs)
+            if not (neighbors and settings.hidden):
+                return Network(sizes, gain, self._rng)
+            return SetNetwork(sizes, gain, self._rng, (neighbors, NEIGHBOR), of_all)
+
+        self._actor = network(len(self._limits), 0.01)
+        self._critic = network(1, 1.0)
         self._log_std = np.full(len(self._limits), settings.log_std, np.float32)
         parameters = [*self._actor.parameters, *self._critic.parameters, self._log_std]
         self._optimiser = Adam(parameters)
         self._rewards = np.zeros(env.num_envs)
         self._ended: List[Tuple[bool, float]] = []
         self._observations, _ = env.reset(seed=seed)
-        self._scale = Scale(size)
+        self._scale = Scale(size, NEIGHBOR * neighbors)
         self._seed = seed
 
     def train(
@@ -212,8 +224,7 @@ class Ppo:
 
     def policy(self) -> Policy:
         """The policy as it is now."""
-        layers = self._actor.weights, self._actor.biases
-        weights, biases = ([array.copy() for array in arrays] for arrays in layers)
+        weights, biases = self._actor.layers()
         weights[0], biases[0] = self._scale.folded(weights[0], biases[0])
         return self._env.navigation.policy(weights, biases)
 

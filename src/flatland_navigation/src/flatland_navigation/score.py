@@ -37,7 +37,7 @@ class GoalScore:
     _turned: float = 0.0
     _errors: List[float] = field(default_factory=list)
     _touched: Set[Tuple[str, str]] = field(default_factory=set)
-    _command: Optional[Tuple[float, float]] = None
+    _command: Optional[Tuple[float, float, float]] = None
     _speed_change: float = 0.0
     _turn_change: float = 0.0
 
@@ -51,12 +51,12 @@ class GoalScore:
         self._end, self._pose = time, pose
         self.min_clearance = min(self.min_clearance, clearance)
 
-    def add_command(self, speed: float, turn: float) -> None:
-        """Takes a commanded speed [m/s] and yaw rate [rad/s]."""
+    def add_command(self, vx: float, vy: float, turn: float) -> None:
+        """Takes a commanded velocity [m/s, m/s] and yaw rate [rad/s]."""
         if self._command is not None:
-            self._speed_change += abs(speed - self._command[0])
-            self._turn_change += abs(turn - self._command[1])
-        self._command = speed, turn
+            self._speed_change += math.dist((vx, vy), self._command[:2])
+            self._turn_change += abs(turn - self._command[2])
+        self._command = vx, vy, turn
 
     def add_contacts(self, touched: Set[Tuple[str, str]]) -> None:
         """Takes the entities and bodies that the robot touches now."""

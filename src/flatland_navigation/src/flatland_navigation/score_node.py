@@ -152,11 +152,12 @@ class ScoreNode:
 
     def _on_command(self, message: Twist) -> None:
         if self._score is not None:
-            self._score.add_command(message.linear.x, message.angular.z)
+            self._score.add_command(message.linear.x, message.linear.y, message.angular.z)
 
     def _on_collisions(self, message: Collisions) -> None:
         if self._score is not None:
-            self._score.add_contacts({(c.entity_B, c.body_B) for c in message.collisions})
+            solid = (c for c in message.collisions if c.contact_positions)  # no sensors
+            self._score.add_contacts({(c.entity_B, c.body_B) for c in solid})
 
     def _print(self) -> None:
         with self._lock:

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import yaml
 from ros_processes import free_port
 from roslaunch.config import load_config_default
 
@@ -58,6 +59,19 @@ DWA = """acc_lim_x acc_lim_y acc_lim_theta acc_lim_trans max_vel_trans min_vel_t
     twirling_scale forward_point_distance stop_time_buffer scaling_speed max_scaling_factor
     publish_cost_grid oscillation_reset_dist oscillation_reset_angle prune_plan trans_stopped_vel
     theta_stopped_vel odom_topic"""
+
+# http://wiki.ros.org/gmapping, section 4.1.4
+GMAPPING = """inverted_laser throttle_scans base_frame map_frame odom_frame map_update_interval
+    maxUrange sigma kernelSize lstep astep iterations lsigma ogain lskip minimumScore srr srt str
+    stt linearUpdate angularUpdate temporalUpdate resampleThreshold particles xmin ymin xmax ymax
+    delta llsamplerange llsamplestep lasamplerange lasamplestep transform_publish_period occ_thresh
+    maxRange"""
+
+# Topics that nav.rviz shows: of the stack's pages, the navigator and the server.
+TOPICS = """/map scan initialpose amcl_pose particlecloud move_base_simple/goal move_base/current_goal
+    move_base/plan move_base/NavfnROS/plan move_base/DWAPlannerROS/local_plan
+    move_base/global_costmap/costmap move_base/local_costmap/costmap
+    /flatland_server/debug/layer/map /flatland_server/debug/models"""
 
 DOCUMENTED = {
     "amcl": {*AMCL.split()},
@@ -184,6 +198,31 @@ def test_every_parameter_of_the_stack_is_documented(stack, namespace):
         params = params_of(config, f"{inside}/{name}")
         assert params
         assert set(params) - documented == set()
+
+
+@pytest.mark.parametrize("namespace", ["", "r1"])
+def test_mapping_has_the_robots_frames_and_documented_parameters(namespace):
+    config = load("mapping.launch", f"ns:={namespace}")
+    [node] = nodes_of(config)
+    params = params_of(config, node)
+
+    prefix = f"{namespace}_" if namespace else ""
+    assert params["base_frame"] == f"{prefix}base_link"
+    assert params["odom_frame"] == f"{prefix}odom"
+    assert set(params) - {*GMAPPING.split()} == set()
+
+
+def test_rviz_shows_known_topics_of_its_namespace():
+    config = load("rviz.launch", "ns:=r1")
+    [rviz] = config.nodes
+    shown = yaml.safe_load((PACKAGE / "rviz" / "nav.rviz").read_text())["Visualization Manager"]
+
+    assert (rviz.namespace, rviz.package) == ("/r1/", "rviz")
+    assert str(PACKAGE / "rviz" / "nav.rviz") in rviz.args
+    entries = [*shown["Displays"], *shown["Tools"]]
+    topics = {entry.get("Topic", entry.get("Marker Topic")) for entry in entries} - {None}
+    assert topics == {*TOPICS.split()}
+    assert shown["Global Options"]["Fixed Frame"] == "map"
 
 
 def test_waypoints_may_come_from_a_file():

@@ -40,7 +40,7 @@ def test_clearance_errors_and_changes_of_the_command():
     score.add_pose(11.0, Pose(2.0, 0.0, 0.3), 0.2)
     for error in (0.1, 0.3):
         score.add_error(error)
-    for command in ((0.0, 0.0), (0.5, 0.0), (0.5, 0.3), (0.2, -0.3)):
+    for command in ((0.0, 0.0, 0.0), (0.3, 0.4, 0.0), (0.3, 0.4, 0.3), (0.3, 0.1, -0.3)):
         score.add_command(*command)
 
     row = score.row("goal")

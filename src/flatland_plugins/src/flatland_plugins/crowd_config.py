@@ -99,7 +99,7 @@ class Attention:
             reader.get_float("reaction_time", default.reaction_time, minimum=0.0),
             reader.get_float("field_of_view", default.field_of_view, minimum=0.0),
         )
-        if attention.yields > 1.0:
+        if attention.yields > 1.0 and reader.has("yields"):
             reader.problem(f"expected a number up to 1, found {attention.yields:g}", "yields")
         return attention
 
@@ -309,8 +309,10 @@ def _read_random(
     section: YamlReader, names: Iterator[str], build: Build, attention: Attention
 ) -> List[PedestrianConfig]:
     """The pedestrians whose places and goals are drawn."""
-    count = section.get_int("count", minimum=1, maximum=_MOST_DRAWN)
+    count = section.get_int("count", minimum=0, maximum=_MOST_DRAWN)
     standing = section.get_int("standing", 0, minimum=0, maximum=_MOST_DRAWN)
+    if standing > count:
+        section.problem(f"expected at most the count, {count}, found {standing}", "standing")
     corners = section.get_points("area", 2, 2)
     section.finish()
     xs, ys = ([corner[axis] for corner in corners] for axis in range(2))
@@ -329,7 +331,7 @@ def _read_circle(
     section: YamlReader, names: Iterator[str], build: Build, attention: Attention
 ) -> List[PedestrianConfig]:
     """The pedestrians on a circle, who cross it; a robot is to begin at its place at angle 0."""
-    count = section.get_int("count", minimum=1, maximum=_MOST_DRAWN)
+    count = section.get_int("count", minimum=0, maximum=_MOST_DRAWN)
     radius = section.get_float("radius", above=0.0)
     section.finish()
     people = []

@@ -3,7 +3,7 @@
 from typing import Any
 
 from flatland_plugins.geodesy import Geodetic, TangentPlane
-from flatland_plugins.sensor_frame import SensorFrame
+from flatland_plugins.sensor_frame import SensorFrame, read_tf_topic, static_by_default
 from flatland_server import (
     BatchRole,
     ModelPlugin,
@@ -33,7 +33,7 @@ class Gps(ModelPlugin):
         self._body = self.get_body(config)
         topic = config.get_topic("topic", "gps/fix")
         update_rate = config.get_rate("update_rate", 10.0)
-        broadcast_tf = config.get_bool("broadcast_tf", True)
+        tf_topic = read_tf_topic(config, static_by_default(self))
         frame = config.get_frame("frame", self.name)
         latitude = _read_degrees(config, "ref_lat", 90.0)
         longitude = _read_degrees(config, "ref_lon", 180.0)
@@ -41,7 +41,7 @@ class Gps(ModelPlugin):
         config.finish()
 
         self._plane = TangentPlane(latitude, longitude)
-        self._frame = SensorFrame(self, self._body, frame, broadcast_tf, self._origin)
+        self._frame = SensorFrame(self, self._body, frame, tf_topic, self._origin)
         self.update_timer = UpdateTimer(update_rate)
         self._publisher = self.node.advertise(topic, "sensor_msgs/NavSatFix")
 

@@ -6,7 +6,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 import numpy as np
 
 from flatland_plugins.imu_config import QUANTITIES, ImuConfig
-from flatland_plugins.sensor_frame import SensorFrame
+from flatland_plugins.sensor_frame import SensorFrame, static_by_default
 from flatland_plugins.timed_noise import TimedNoise
 from flatland_server import (
     BatchRole,
@@ -68,14 +68,13 @@ class Imu(ModelPlugin):
 
     def on_initialize(self, config: YamlReader) -> None:
         self._body = self.get_body(config)
-        imu = self._config = ImuConfig.read(config)
+        imu = self._config = ImuConfig.read(config, static_by_default(self))
         self._deviations = np.sqrt(imu.noises).ravel()
         self._noise = TimedNoise(self.rng)
         # A sensor frame with the name of the body's frame is that frame: no transform.
         is_own = self.name_space_tf(imu.imu_frame_id) == self.name_space_tf(self._body.name)
-        self._frame = SensorFrame(
-            self, self._body, imu.imu_frame_id, imu.broadcast_tf and not is_own
-        )
+        tf_topic = None if is_own else imu.tf_topic
+        self._frame = SensorFrame(self, self._body, imu.imu_frame_id, tf_topic)
         self.update_timer = UpdateTimer(imu.pub_rate)
         self._period = self.update_timer.period * 1e9  # ns
         topics = (imu.imu_pub, imu.ground_truth_pub) if imu.enable_imu_pub else ()

@@ -2,10 +2,11 @@
 
 import math
 from dataclasses import dataclass
-from typing import Tuple
+from typing import Optional, Tuple
 
 import numpy as np
 
+from flatland_plugins.sensor_frame import read_tf_topic
 from flatland_server import YamlReader
 
 STANDARD_GRAVITY = 9.80665  # [m/s^2] (3rd General Conference on Weights and Measures, 1901)
@@ -26,11 +27,16 @@ class ImuConfig:
     covariances: Tuple[Tuple[float, ...], ...]
     gravity: float
     pub_rate: float
-    broadcast_tf: bool
+    tf_topic: Optional[str]
 
     @classmethod
-    def read(cls, config: YamlReader) -> "ImuConfig":
-        """Reads the keys; `update_rate` is an alias of `pub_rate`."""
+    def read(cls, config: YamlReader, static_tf: bool) -> "ImuConfig":
+        """Reads the keys; `update_rate` is an alias of `pub_rate`.
+
+        Args:
+            config: has the keys.
+            static_tf: the default of this key.
+        """
         noises, covariances = [], []
         for quantity in QUANTITIES:
             noise = config.get_floats(f"{quantity}_noise", 3, (0.0, 0.0, 0.0), minimum=0.0)
@@ -47,7 +53,7 @@ class ImuConfig:
             covariances=tuple(covariances),
             gravity=config.get_float("gravity", STANDARD_GRAVITY, minimum=0.0),
             pub_rate=config.get_rate("update_rate", pub_rate),
-            broadcast_tf=config.get_bool("broadcast_tf", True),
+            tf_topic=read_tf_topic(config, static_tf),
         )
         if config.has("pub_rate") and config.has("update_rate"):
             config.problem('"pub_rate" and "update_rate" are one key: give one', "update_rate")

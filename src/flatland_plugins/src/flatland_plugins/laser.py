@@ -8,7 +8,7 @@ import numpy as np
 
 from flatland_plugins.laser_config import LaserConfig
 from flatland_plugins.scan_writer import ScanWriter
-from flatland_plugins.sensor_frame import SensorFrame
+from flatland_plugins.sensor_frame import SensorFrame, static_by_default
 from flatland_plugins.timed_noise import draw_key
 from flatland_server import (
     BatchRole,
@@ -39,7 +39,10 @@ class Laser(ModelPlugin):
     def on_initialize(self, config: YamlReader) -> None:
         body = self._body = self.get_body(config)
         laser = self._config = config.read_once(
-            LaserConfig.read, self.name, self.node.get_param("~no_return", "inf")
+            LaserConfig.read,
+            self.name,
+            self.node.get_param("~no_return", "inf"),
+            static_by_default(self),
         )
         registry = self.model.registry
         try:
@@ -57,7 +60,7 @@ class Laser(ModelPlugin):
             fan, laser.origin, laser.range, layers, reflectance
         )
         roll = math.pi if laser.upside_down else 0.0
-        self._frame = SensorFrame(self, body, laser.frame, laser.broadcast_tf, laser.origin, roll)
+        self._frame = SensorFrame(self, body, laser.frame, laser.tf_topic, laser.origin, roll)
         self.update_timer = UpdateTimer(laser.update_rate)
         self._publisher = self.node.advertise(laser.topic, "sensor_msgs/LaserScan")
         self._writer = ScanWriter(

@@ -2,8 +2,9 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Tuple
+from typing import Optional, Tuple
 
+from flatland_plugins.sensor_frame import read_tf_topic
 from flatland_server import Pose, YamlReader
 
 _MAX_BEAMS = 1_000_000
@@ -15,7 +16,7 @@ class LaserConfig:
 
     topic: str
     frame: str
-    broadcast_tf: bool
+    tf_topic: Optional[str]
     origin: Pose
     range: float
     noise_std_dev: float
@@ -30,13 +31,16 @@ class LaserConfig:
     """The range of a beam that hits nothing, in messages."""
 
     @classmethod
-    def read(cls, config: YamlReader, name: str, no_return: str = "inf") -> "LaserConfig":
+    def read(
+        cls, config: YamlReader, name: str, no_return: str = "inf", static_tf: bool = False
+    ) -> "LaserConfig":
         """Reads all keys but the body's.
 
         Args:
             config: has the keys.
             name: of the plugin, and the default of its frame.
             no_return: the default of this key.
+            static_tf: likewise.
         """
         angle = config.get_section("angle", required=True)
         angle_min = angle.get_float("min")
@@ -46,7 +50,7 @@ class LaserConfig:
         laser = cls(
             topic=config.get_topic("topic", "scan"),
             frame=config.get_frame("frame", name),
-            broadcast_tf=config.get_bool("broadcast_tf", True),
+            tf_topic=read_tf_topic(config, static_tf),
             origin=config.get_pose("origin", Pose()),
             range=config.get_float("range", above=0.0),
             noise_std_dev=config.get_float("noise_std_dev", 0.0, minimum=0.0),

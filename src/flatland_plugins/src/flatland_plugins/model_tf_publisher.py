@@ -1,11 +1,13 @@
 """ModelTfPublisher: the transforms between a model's bodies, and from the world to the model."""
 
 import math
+from typing import Optional, Sequence
 
 from flatland_server import (
     BatchRole,
     ModelPlugin,
     RelativePoses,
+    StepMessage,
     Timekeeper,
     UpdateTimer,
     YamlReader,
@@ -46,6 +48,15 @@ class ModelTfPublisher(ModelPlugin):
     def has_work(self) -> bool:
         """True if transforms have a subscriber."""
         return self.node.transforms_have_subscribers
+
+    def step_messages(self) -> Sequence[Optional[StepMessage]]:
+        """All transforms."""
+        messages = []
+        if self._world_frame is not None:
+            messages.append(self._world_frame.step_message(self._world_pose))
+        if self._bodies:
+            messages.append(self._frames.step_message(self._poses))
+        return messages
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the transforms at the start of the step."""

@@ -2,7 +2,7 @@
 
 import math
 from functools import partial
-from typing import List, NamedTuple, Optional, Tuple
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -10,12 +10,14 @@ from flatland_plugins.odometry_config import OdometryConfig
 from flatland_plugins.odometry_writer import BodyWriter, OdometryWriter, Twist, TwistWriter
 from flatland_plugins.timed_noise import TimedNoise, draw_key
 from flatland_server import (
+    Drift,
     Frames,
     ModelBody,
     ModelPlugin,
     Pose,
     Publisher,
     RelativePoses,
+    StepMessage,
     Timekeeper,
     Velocity,
     YamlReader,
@@ -64,7 +66,6 @@ class OdometryPlugin(ModelPlugin):
         base_frame = self.name_space_tf(body.name)
         self._deviation = np.sqrt([*config.pose_noise, *config.twist_noise])
         self._is_noisy = bool(self._deviation.any())
-        self._is_exact = self._drift is None and not self._is_noisy
         self._odom: Optional[Publisher] = None
         self._ground_truth: Optional[Publisher] = None
         self._twist: Optional[Publisher] = None
@@ -81,18 +82,25 @@ class OdometryPlugin(ModelPlugin):
             for frame in (self._odom_frame, self._ground_truth_frame)
         )
         self._twist_writer = TwistWriter(base_frame, config.twist_covariance)
-        self._exact_pose = RelativePoses(None, [body.physics_body])
+        truth = RelativePoses(None, [body.physics_body])
+        motion = self._motion = (
+            RelativePoses(None, [body.physics_body], self._drift) if self._drift else truth
+        )
+        is_local = config.twist_in_local_frame
         self._exact_odom_writer, self._ground_truth_writer = (
             BodyWriter(
                 writer,
-                self._exact_pose,
-                partial(_true_values, self._body, config.twist_in_local_frame),
-                twist_in_local_frame=config.twist_in_local_frame,
+                poses,
+                partial(_values_of, self._body, drift, is_local),
+                twist_in_local_frame=is_local,
             )
-            for writer in (self._odom_writer, ground_truth_writer)
+            for writer, poses, drift in (
+                (self._odom_writer, motion, self._drift),
+                (ground_truth_writer, truth, None),
+            )
         )
         self._exact_twist_writer = BodyWriter(
-            self._twist_writer, self._exact_pose, partial(_true_twist, self._body)
+            self._twist_writer, motion, partial(_twist_of, self._body, self._drift)
         )
         self._frame: Optional[Frames] = None
         if config.enable_odom_tf_pub:
@@ -106,13 +114,22 @@ class OdometryPlugin(ModelPlugin):
         self._find_subscribers()
         return bool(self._heard or self._heard_frame)
 
+    def step_messages(self) -> Sequence[Optional[StepMessage]]:
+        """All messages, unless they have noise."""
+        if self._is_noisy:
+            return ()
+        messages = [publisher.step_message(each.body_message) for publisher, each in self._heard]
+        if self._heard_frame is not None:
+            messages.append(self._heard_frame.step_message(self._motion))
+        return messages
+
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes odometry on the topics that have subscribers."""
         now = timekeeper.nanoseconds
-        if self._is_exact:
+        if not self._is_noisy:
             self._publish_exact(now)
             if self._heard_frame is not None:
-                self._heard_frame.send(now, self._exact_pose)
+                self._heard_frame.send(now, self._motion)
             return
         estimate = self._publish(now)
         if self._heard_frame is not None:
@@ -121,10 +138,10 @@ class OdometryPlugin(ModelPlugin):
     def publish_now(self, timekeeper: Timekeeper) -> None:
         """Publishes the present pose and velocity."""
         self._find_subscribers()
-        if self._is_exact:
-            self._publish_exact(timekeeper.nanoseconds)
-        else:
+        if self._is_noisy:
             self._publish(timekeeper.nanoseconds)
+        else:
+            self._publish_exact(timekeeper.nanoseconds)
 
     def read(self, timekeeper: Timekeeper) -> Odometry:
         """The present odometry, with its noise and drift: pose and velocity."""
@@ -132,13 +149,13 @@ class OdometryPlugin(ModelPlugin):
 
     def read_ground_truth(self, timekeeper: Timekeeper) -> Odometry:
         """The true pose in the world, and the true velocity."""
-        return _truth(self._body)
+        return _motion_of(self._body, None)
 
     def get_state(self) -> None:
         """Nothing: the core saves commands, velocities and the drift."""
 
     def _publish_exact(self, nanoseconds: int) -> None:
-        """Publishes the true pose and velocity on the topics that have subscribers."""
+        """Publishes what the core reads, without noise, on the topics that have subscribers."""
         for publisher, writer in self._heard:
             publisher.write(writer, nanoseconds)
 
@@ -171,14 +188,11 @@ class OdometryPlugin(ModelPlugin):
 
     def _measured(self, nanoseconds: int) -> Odometry:
         """The odometry with its drift, and with the noise of a time [ns]."""
-        drifted = self._body.pose if self._drift is None else Pose(*self._drift.pose)
-        velocity = Velocity(
-            *(self._drift.velocity if self._drift else self._body.physics_body.local_velocity)
-        )
+        pose, velocity = measured = _motion_of(self._body, self._drift)
         if not self._is_noisy:
-            return Odometry(drifted, velocity)
+            return measured
         noise = (self._noise.at(nanoseconds).standard_normal(6) * self._deviation).tolist()
-        x, y, yaw = (value + error for value, error in zip(drifted, noise))
+        x, y, yaw = (value + error for value, error in zip(pose, noise))
         vx, vy, omega = (value + error for value, error in zip(velocity, noise[3:]))
         return Odometry(Pose(x, y, wrap_angle(yaw)), Velocity(vx, vy, omega))
 
@@ -186,16 +200,19 @@ class OdometryPlugin(ModelPlugin):
 # Functions of the body alone: a writer that keeps the plugin would make a cycle of references.
 
 
-def _truth(body: ModelBody) -> Odometry:
-    return Odometry(body.pose, Velocity(*body.physics_body.local_velocity))
+def _motion_of(body: ModelBody, drift: Optional[Drift]) -> Odometry:
+    """The motion of a body, or what its drift makes of it."""
+    if drift is None:
+        return Odometry(body.pose, Velocity(*body.physics_body.local_velocity))
+    return Odometry(Pose(*drift.pose), Velocity(*drift.velocity))
 
 
-def _true_twist(body: ModelBody) -> Tuple[Twist]:
-    return (_truth(body).velocity,)
+def _twist_of(body: ModelBody, drift: Optional[Drift]) -> Tuple[Twist]:
+    return (_motion_of(body, drift).velocity,)
 
 
-def _true_values(body: ModelBody, is_local: bool) -> Tuple[Pose, Twist]:
-    return _values(_truth(body), is_local)
+def _values_of(body: ModelBody, drift: Optional[Drift], is_local: bool) -> Tuple[Pose, Twist]:
+    return _values(_motion_of(body, drift), is_local)
 
 
 def _values(odometry: Odometry, is_local: bool) -> Tuple[Pose, Twist]:

@@ -122,7 +122,7 @@ class BodyWriter(MessageWriter):
 
     Args:
         writer: makes the same messages from values.
-        pose: of the body, in the world.
+        motion: of the body, in the world.
         values: returns the present values, for messages as objects.
         twist_in_local_frame: whether the twist is in the frame of the body.
     """
@@ -130,15 +130,14 @@ class BodyWriter(MessageWriter):
     def __init__(
         self,
         writer: Union[OdometryWriter, TwistWriter],
-        pose: RelativePoses,
+        motion: RelativePoses,
         values: Callable[[], Tuple[Any, ...]],
         twist_in_local_frame: bool = True,
     ) -> None:
         self._writer = writer
-        self._pose = pose
+        self._motion = motion
         self._values = values
         self._twist_in_local_frame = twist_in_local_frame
-        self._sequence = 0
         self._message: Optional[BodyMessage] = None
 
     def message(self, nanoseconds: int) -> Any:
@@ -147,12 +146,16 @@ class BodyWriter(MessageWriter):
 
     def data(self, nanoseconds: int) -> bytes:
         """The message as bytes."""
+        return self.body_message.data(nanoseconds)
+
+    @property
+    def body_message(self) -> BodyMessage:
+        """The message that the core writes."""
         if self._message is None:  # most are never written
-            constant = _serialized(self.message(nanoseconds))
-            fields = [self._writer.fields]
-            self._message = BodyMessage(constant, self._pose, fields, self._twist_in_local_frame)
-        self._sequence += 1
-        return self._message.data(self._sequence, nanoseconds)
+            constant = _serialized(self.message(0))
+            fields, is_local = [self._writer.fields], self._twist_in_local_frame
+            self._message = BodyMessage(constant, self._motion, fields, is_local)
+        return self._message
 
 
 def _serialized(message: Any) -> bytes:

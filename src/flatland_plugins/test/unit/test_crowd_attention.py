@@ -137,6 +137,12 @@ def test_more_people_than_there_is_room_for_are_refused(town):
         town(keys="random: {count: 50, area: [[0, 0], [1, 1]]}")
 
 
+def test_a_drawn_crowd_may_be_empty(town):
+    people = town(keys="random: {count: 0, area: [[0, 0], [1, 1]]}, circle: {count: 0, radius: 1}")
+    people.step()
+    assert list(people.world.models) == []
+
+
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
@@ -144,7 +150,11 @@ def test_more_people_than_there_is_room_for_are_refused(town):
         ("yields: -1", "yields: expected a number of 0 or more"),
         ("random: {area: [[0, 0], [1, 1]]}", 'random: the required key "count" is missing'),
         ("random: {count: 1, area: [[0, 0]]}", "random.area: expected a list of 2"),
-        ("circle: {count: 0, radius: 2}", "circle.count: expected"),
+        ("circle: {count: -1, radius: 2}", "circle.count: expected"),
+        (
+            "random: {count: 1, standing: 2, area: [[0, 0], [1, 1]]}",
+            "random.standing: expected at most the count, 1, found 2",
+        ),
         ("motion: orcas", "motion: expected"),
     ],
 )

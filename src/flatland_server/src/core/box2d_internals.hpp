@@ -27,6 +27,15 @@ struct FixtureInternals : b2Fixture {
   static int32 ProxyCount(const b2Fixture& fixture) {
     return fixture.*(&FixtureInternals::m_proxyCount);
   }
+  /// Gives a fixture that is not in Box2D's tree the proxy with which it would be there.
+  static void MakeProxy(b2Fixture& fixture) {
+    fixture.*(&FixtureInternals::m_proxyCount) = 1;
+    b2FixtureProxy& proxy = *Proxies(fixture);
+    fixture.GetShape()->ComputeAABB(&proxy.aabb, fixture.GetBody()->GetTransform(), 0);
+    proxy.fixture = &fixture;
+    proxy.childIndex = 0;
+    proxy.proxyId = b2BroadPhase::e_nullProxy;
+  }
   static b2Fixture*& Next(b2Fixture& fixture) { return fixture.*(&FixtureInternals::m_next); }
   static b2Shape*& Shape(b2Fixture& fixture) { return fixture.*(&FixtureInternals::m_shape); }
 };
@@ -48,6 +57,12 @@ template <class Tag, typename Tag::Pointer member>
 struct DefineMember {
   friend constexpr typename Tag::Pointer Member(Tag) { return member; }
 };
+
+struct BodyFlags {
+  using Pointer = uint16 b2Body::*;
+  friend constexpr Pointer Member(BodyFlags);
+};
+template struct DefineMember<BodyFlags, &b2Body::m_flags>;
 
 struct BodyForce {
   using Pointer = b2Vec2 b2Body::*;
@@ -233,5 +248,26 @@ inline void FindPairsAgain(b2Body& body) {
   }
   NewContacts(world) = true;
 }
+
+/// As long as it exists, the fixtures that a body gets, its first ones, do not come into the tree,
+/// where each has to find its place: a tree in which they are is to replace it.
+class OutsideTree {
+ public:
+  explicit OutsideTree(b2Body& body) : body_(body), flags_(body.*Member(BodyFlags())) {
+    body.SetEnabled(false);
+  }
+  OutsideTree(const OutsideTree&) = delete;
+  OutsideTree& operator=(const OutsideTree&) = delete;
+  ~OutsideTree() {
+    for (b2Fixture* each = body_.GetFixtureList(); each != nullptr; each = each->GetNext()) {
+      FixtureInternals::MakeProxy(*each);
+    }
+    body_.*Member(BodyFlags()) = flags_;
+  }
+
+ private:
+  b2Body& body_;
+  const uint16 flags_;
+};
 
 }  // namespace flatland::box2d

@@ -1,11 +1,13 @@
 #include "layers.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "box2d_internals.hpp"
 #include "flatland_server/segment_tree.hpp"
 #include "flatland_server/visible_fixture.hpp"
+#include "saved_tree.hpp"
 #include "tree_order.hpp"
 
 namespace flatland {
@@ -33,6 +35,20 @@ struct Reach {
   float radius = 0.0f;
   LayerBits layers = 0;
 };
+
+std::vector<b2AABB> BoxesOf(const std::vector<Segment>& walls) {
+  std::vector<b2AABB> boxes(walls.size());
+  b2Transform identity;
+  identity.SetIdentity();
+  for (size_t i = 0; i < walls.size(); ++i) EdgeOf(walls[i]).ComputeAABB(&boxes[i], identity, 0);
+  return boxes;
+}
+
+std::vector<b2Fixture*> FixturesOf(const BodyRecord& record) {
+  std::vector<b2Fixture*> fixtures;
+  for (const BodyRecord::FixtureRecord& each : record.fixtures) fixtures.push_back(each.fixture);
+  return fixtures;
+}
 
 }  // namespace
 
@@ -67,6 +83,12 @@ Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits b
   record.is_layer = true;
   record.may_move = false;
   const bool is_large = walls.size() > large_;
+  std::shared_ptr<const WallTree> tree;  // of these walls alone, if it is known
+  if (!is_large && has_layers_alone && box2d::InsertionCount(world) == 0) {
+    tree = WallTree::Latest({BoxesOf(walls)});
+  }
+  std::optional<box2d::OutsideTree> outside;
+  if (tree != nullptr) outside.emplace(*record.body);
   if (is_large) {
     record.large_layer = static_cast<int>(large_layers_.size());
     all_.push_back({VisibleWalls::Share(std::move(walls), progress), bits});
@@ -82,10 +104,12 @@ Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits b
     }
     all_.push_back({VisibleWalls::Share(std::move(walls)), bits});
   }
+  outside.reset();
+  if (tree != nullptr) tree->PutInto(world, FixturesOf(record));
   if (has_layers_alone) box2d::SkipPairsOfNewFixtures(world);
   const Bodies::Body handle = bodies_.Add(std::move(record));
   // A slot of a later generation was that of a body, whose moves have changed the tree.
-  if (has_layers_alone && handle.generation == 1) box2d::OrderNodes(world);
+  if (has_layers_alone && handle.generation == 1 && tree == nullptr) box2d::OrderNodes(world);
   if (is_large) {
     large_layers_.push_back(
         std::make_unique<NearbyWalls>(all_.back().walls->shared(), bits, handle.index));

@@ -13,6 +13,10 @@ namespace {
 
 bool AreEqual(const b2AABB& a, const b2AABB& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
+/// The one that was made last, and its lock.
+std::weak_ptr<const WallTree> latest;
+std::mutex latest_mutex;
+
 /// Number of nodes before those that were never in use, or are free in the same order.
 int32 UsedCount(const b2TreeNode* nodes, int32 capacity) {
   int32 count = capacity;
@@ -121,14 +125,32 @@ bool WallTree::IsOf(const Boxes& boxes) const {
 std::shared_ptr<const WallTree> WallTree::Of(Boxes boxes,
                                              const std::shared_ptr<const WallTree>& present) {
   if (present != nullptr && present->IsOf(boxes)) return present;
-  static std::mutex mutex;
-  static std::weak_ptr<const WallTree> latest;
-  const std::lock_guard<std::mutex> lock(mutex);
-  const std::shared_ptr<const WallTree> last = latest.lock();
-  if (last != nullptr && last->IsOf(boxes)) return last;
+  std::shared_ptr<const WallTree> last = Latest(boxes);
+  if (last != nullptr) return last;
   auto made = std::make_shared<const WallTree>(std::move(boxes));
+  const std::lock_guard<std::mutex> lock(latest_mutex);
   latest = made;
   return made;
+}
+
+std::shared_ptr<const WallTree> WallTree::Latest(const Boxes& boxes) {
+  std::shared_ptr<const WallTree> last;
+  {
+    const std::lock_guard<std::mutex> lock(latest_mutex);
+    last = latest.lock();
+  }
+  return last != nullptr && last->IsOf(boxes) ? last : nullptr;
+}
+
+void WallTree::PutInto(b2World& world, const std::vector<b2Fixture*>& fixtures) const {
+  SavedTree tree;
+  tree.node_count = tree.first_free = static_cast<int32>(nodes_.size());
+  const auto is_root = [](const SavedNode& node) {
+    return node.height >= 0 && node.parent == b2_nullNode;
+  };
+  const auto root = std::find_if(nodes_.begin(), nodes_.end(), is_root);
+  if (root != nodes_.end()) tree.root = static_cast<int32>(root - nodes_.begin());
+  tree.Restore(world, fixtures, *this);
 }
 
 WallTree::WallTree(Boxes boxes) : boxes_(std::move(boxes)) {

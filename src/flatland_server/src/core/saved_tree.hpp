@@ -43,7 +43,11 @@ class WallTree {
   /// made last, is of these walls.
   static std::shared_ptr<const WallTree> Of(Boxes boxes,
                                             const std::shared_ptr<const WallTree>& present);
+  /// The tree that was made last, if it is of these walls and still in use; otherwise null.
+  static std::shared_ptr<const WallTree> Latest(const Boxes& boxes);
   explicit WallTree(Boxes boxes);
+  /// Replaces the tree of a world with nothing but these walls, which have these fixtures.
+  void PutInto(b2World& world, const std::vector<b2Fixture*>& fixtures) const;
 
   const std::vector<SavedNode>& nodes() const { return nodes_; }
   /// Of the boxes: another one with other walls.

@@ -1,5 +1,7 @@
 /// World: copies.
 
+#include <optional>
+
 #include "box2d_copies.hpp"
 #include "box2d_internals.hpp"
 #include "box2d_limits.hpp"
@@ -53,6 +55,8 @@ std::unique_ptr<World> World::Copy() const {
       }
       return;
     }
+    std::optional<box2d::OutsideTree> outside;
+    if (!has_large_layers) outside.emplace(*record.body);  // the state below brings the tree
     for (BodyRecord::FixtureRecord& each : record.fixtures) {
       each.fixture = CopyFixture(*record.body, *each.fixture);
       has_mass = has_mass || each.fixture->GetDensity() != 0.0f;

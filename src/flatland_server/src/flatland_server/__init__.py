@@ -33,6 +33,7 @@ from flatland_server._core import (
     Manifold,
     RangeNoise,
     RelativePoses,
+    StepMessage,
     Tricycle,
     Tween,
 )
@@ -138,6 +139,7 @@ __all__ = [
     "RelativePoses",
     "Segments",
     "StateError",
+    "StepMessage",
     "Subscription",
     "Timekeeper",
     "TopicError",

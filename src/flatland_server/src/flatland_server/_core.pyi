@@ -13,7 +13,7 @@ properties raise, unless it is said otherwise:
         something.
 """
 
-from typing import Any, Callable, Iterator, NoReturn, Sequence
+from typing import Any, Callable, Iterator, NoReturn, Sequence, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -683,9 +683,15 @@ class RelativePoses(metaclass=_Metaclass):
     Args:
         reference: the body that has the frame; None: the world.
         bodies: n bodies of the same world.
+        drift: of the only body, in the world: its pose and velocity are the measured ones.
+
+    Raises:
+        ValueError: the bodies are of several worlds, or the drift is not of one body in the world.
     """
 
-    def __init__(self, reference: Body | None, bodies: Sequence[Body]) -> None: ...
+    def __init__(
+        self, reference: Body | None, bodies: Sequence[Body], drift: Drift | None = None
+    ) -> None: ...
     def __iter__(self) -> Iterator[_Triple]:
         """Iterates over the poses of `read`."""
 
@@ -708,6 +714,7 @@ class BodyMessage(metaclass=_Metaclass):
         poses: of n bodies.
         fields: of each body, the offsets of its header, pose and twist; the last two may be None.
         twist_in_local_frame: whether twists are in the frame of the body instead of the world.
+        is_numbered: whether sequence numbers count the messages, from 1; otherwise they are 0.
 
     Raises:
         IndexError: a field is not within the data.
@@ -720,13 +727,118 @@ class BodyMessage(metaclass=_Metaclass):
         poses: RelativePoses,
         fields: Sequence[tuple[int, int | None, int | None]],
         twist_in_local_frame: bool = True,
+        is_numbered: bool = True,
     ) -> None: ...
-    def data(self, sequence: int, nanoseconds: int) -> bytes:
+    def data(self, nanoseconds: int) -> bytes:
         """The message of a time.
 
         Args:
-            sequence: number of the message, in each header.
             nanoseconds: simulated time [ns].
+
+        Raises:
+            GoneError: a body was removed.
+        """
+
+class SubscriberQueue(metaclass=_Metaclass):
+    """Messages on their way to a subscriber's socket, as bytes with their lengths.
+
+    Nothing waits for the socket. What it does not take is sent by a thread of the core when it has
+    room.
+
+    Args:
+        socket: its file descriptor; the queue has a duplicate of it.
+        limit: number of messages that wait while the socket is full; the oldest are dropped. 0 is
+            any number.
+
+    Raises:
+        RuntimeError: there is no such descriptor, or there are too many.
+    """
+
+    def __init__(self, socket: int, limit: int) -> None: ...
+    def send(self, data: bytes) -> bool:
+        """Adds a message, and sends all that wait. Returns False if the connection has failed."""
+
+    def close(self) -> None:
+        """Forgets the messages, and closes the duplicate: the connection counts as failed."""
+
+    @property
+    def error(self) -> int:
+        """The errno with which the connection has failed, or 0."""
+    @property
+    def bytes_sent(self) -> int:
+        """Number of bytes sent."""
+    @property
+    def messages_sent(self) -> int:
+        """Number of messages sent as a whole."""
+
+class Outbox(metaclass=_Metaclass):
+    """The subscribers with messages that wait, so that each of them gets several in one call.
+
+    Args:
+        period: real time that a message is to wait at most [s].
+        most: number of messages of a subscriber that are to wait at most.
+    """
+
+    def __init__(self, period: float, most: int) -> None: ...
+    def add(self, queue: SubscriberQueue, data: bytes) -> bool:
+        """Adds a message to those of a subscriber. Returns False if the connection has failed."""
+
+    @property
+    def is_empty(self) -> bool:
+        """True if no message waits."""
+    @property
+    def is_due(self) -> bool:
+        """True if a message has waited for the period, or a subscriber has too many."""
+
+    def send(self) -> bool:
+        """Sends what waits, without Python's lock. Returns False if a connection has failed."""
+
+class TransformList(metaclass=_Metaclass):
+    """The serialized transforms of a step."""
+
+    def __init__(self) -> None: ...
+    def add(self, count: int, data: bytes) -> None:
+        """Appends `count` transforms."""
+
+    def take(self) -> bytes:
+        """Returns and forgets them, as a tf2_msgs/TFMessage; empty if there are none."""
+
+class StepMessage(metaclass=_Metaclass):
+    """A message that the core writes at each step; see `StepMessages`.
+
+    Args:
+        message: is written.
+        outbox: keeps it until it is sent.
+        queues: of the subscribers that get it.
+        transforms: if the message is transforms, the list that they are added to.
+    """
+
+    @overload
+    def __init__(
+        self, message: BodyMessage, outbox: Outbox, queues: Sequence[SubscriberQueue]
+    ) -> None: ...
+    @overload
+    def __init__(self, message: BodyMessage, transforms: TransformList) -> None: ...
+
+class StepMessages(metaclass=_Metaclass):
+    """Messages that are written at each step, in a fixed order, without a call of Python for each."""
+
+    def __init__(self) -> None: ...
+    def add(self, order: int, message: StepMessage) -> None:
+        """Adds a message. To be called in the order of the messages."""
+
+    def write(self, nanoseconds: int) -> None:
+        """Writes all messages of a time [ns].
+
+        Raises:
+            GoneError: a body was removed.
+        """
+
+    def begin(self, nanoseconds: int) -> None:
+        """Begins a step at a time [ns], of which `write_until` writes the messages."""
+
+    def write_until(self, order: int) -> None:
+        """Writes the messages before a place in the order that are not written yet.
 
         Raises:
             GoneError: a body was removed.

@@ -137,6 +137,17 @@ TEST_P(WorldReuseTest, HandlesOfTheFormerWorldAreGone) {
   ExpectSameRun(fresh_, former_);  // an empty world like any other
 }
 
+TEST(KnownWallsTest, MakeTheStepsOfANewWorld) {
+  Trial fresh, saved, again;
+  fresh.AddLayers();
+  saved.world.AddLayer(Walls(4.0), kAllLayers);
+  saved.world.SaveState();  // its tree is known, and that of the next world with these walls
+  again.AddLayers();
+  for (Trial* each : {&fresh, &again}) each->AddBodies();
+  ExpectSameRun(fresh, again);
+  EXPECT_EQ(fresh.world.SaveState(), again.world.SaveState());
+}
+
 TEST_P(WorldReuseTest, OtherLayersStay) {
   Trial other(GetParam());
   other.world.AddLayer(Walls(4.0), 4);

@@ -1,18 +1,19 @@
 """Sending to subscribers: at once if they keep up, and never blocking if they do not."""
 
 import socket
-import threading
+import struct
 import time
 from types import SimpleNamespace
 from typing import List
 
 import pytest
+import rospy
 from rospy.exceptions import TransportTerminated
 
+from flatland_server import _core
 from flatland_server.ros.rospy_patches import nonblocking_connection
 from flatland_server.ros.rospy_patches.nonblocking_connection import (
     MOST,
-    PERIOD,
     HeldMessages,
     NonblockingConnection,
 )
@@ -21,33 +22,12 @@ from flatland_server.ros.rospy_patches.raw_publishing import send_bytes
 LIMIT = 10.0  # s
 
 
-class Socket:
-    """A socket that notes its calls, and the threads that make them."""
-
-    def __init__(self, end: socket.socket) -> None:
-        self._end = end
-        self.calls = 0
-        self.threads = set()
-
-    def sendmsg(self, *arguments) -> int:
-        self.calls += 1
-        self.threads.add(threading.current_thread())
-        return self._end.sendmsg(*arguments)
-
-    def fileno(self) -> int:
-        return self._end.fileno()
-
-    def close(self) -> None:
-        self._end.close()
-
-
 class Transport:
     """The publisher's end of a socket, in place of rospy's TCPROSTransport."""
 
     def __init__(self, end: socket.socket) -> None:
-        self.socket = Socket(end)
+        self.socket = end
         self.done = False
-        self.stat_bytes = self.stat_num_msg = 0
         self._cleanup = None
 
     def set_cleanup_callback(self, callback) -> None:
@@ -91,14 +71,13 @@ def receive_numbers(end: socket.socket, last: bytes) -> List[int]:
 
 
 def test_the_publishing_thread_itself_sends_to_a_subscriber_that_keeps_up(subscriber):
-    theirs, transport, connection = subscriber
+    theirs, _, connection = subscriber
 
     for i in range(100):
         connection.write_data(b"message %03d" % i)
-        assert receive(theirs, 11) == b"message %03d" % i
+        assert waiting(theirs) == b"message %03d" % i
 
-    assert transport.socket.threads == {threading.current_thread()}
-    assert transport.stat_num_msg == 100
+    assert connection.stat_num_msg == 100
 
 
 def test_a_subscriber_that_does_not_read_loses_whole_messages_and_blocks_nothing(subscriber):
@@ -115,7 +94,7 @@ def test_a_subscriber_that_does_not_read_loses_whole_messages_and_blocks_nothing
 
 
 def test_a_message_larger_than_the_socket_arrives_whole(subscriber):
-    theirs, transport, connection = subscriber
+    theirs, _, connection = subscriber
     large = bytes(range(256)) * 4000
 
     connection.write_data(large)
@@ -123,8 +102,7 @@ def test_a_message_larger_than_the_socket_arrives_whole(subscriber):
 
     assert receive(theirs, len(large)) == large
     assert receive(theirs, 5) == b"after"
-    with connection._lock:  # the thread has counted what it has sent
-        assert (transport.stat_num_msg, transport.stat_bytes) == (2, len(large) + 5)
+    assert (connection.stat_num_msg, connection.stat_bytes) == (2, len(large) + 5)
 
 
 def test_a_closed_connection_is_reported(subscriber):
@@ -139,13 +117,12 @@ def test_a_closed_connection_is_reported(subscriber):
 
 @pytest.fixture
 def outbox(monkeypatch):
-    """An open outbox, at a time that the test sets."""
-    outbox = HeldMessages()
-    outbox.now = 1000.0
+    """An open outbox in which messages may wait for a long time."""
+    return opened(HeldMessages(1000.0), monkeypatch)
+
+
+def opened(outbox: HeldMessages, monkeypatch) -> HeldMessages:
     monkeypatch.setattr(nonblocking_connection, "outbox", outbox)
-    monkeypatch.setattr(
-        nonblocking_connection, "time", SimpleNamespace(monotonic=lambda: outbox.now)
-    )
     outbox.open()
     return outbox
 
@@ -159,8 +136,10 @@ def waiting(end: socket.socket) -> bytes:
         return b""
 
 
-def test_messages_that_are_held_back_are_sent_together_in_their_order(subscriber, outbox):
-    theirs, transport, connection = subscriber
+def test_messages_that_are_held_back_are_sent_in_one_call_in_their_order(outbox):
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)  # a packet is a call
+    transport = Transport(ours)
+    connection = NonblockingConnection(transport, 3)
 
     for message in (b"one", b"two", b"three"):
         connection.write_data(message)
@@ -168,10 +147,11 @@ def test_messages_that_are_held_back_are_sent_together_in_their_order(subscriber
     outbox.send()
 
     assert waiting(theirs) == b"onetwothree"
-    assert transport.socket.calls == 1
-    assert (transport.stat_num_msg, transport.stat_bytes) == (3, 11)
+    assert (connection.stat_num_msg, connection.stat_bytes) == (3, 11)
     outbox.send()
-    assert transport.socket.calls == 1
+    assert waiting(theirs) == b""
+    transport.close()
+    theirs.close()
 
 
 def test_a_message_that_may_not_wait_comes_after_those_that_do(subscriber, outbox):
@@ -186,19 +166,26 @@ def test_a_message_that_may_not_wait_comes_after_those_that_do(subscriber, outbo
     assert waiting(theirs) == b""
 
 
-def test_messages_are_due_after_a_time_from_the_first_one(subscriber, outbox):
+def test_messages_are_due_after_a_time_from_the_first_one(subscriber, monkeypatch):
     _, _, connection = subscriber
+    outbox = opened(HeldMessages(0.0), monkeypatch)
     assert not outbox.is_due
 
     connection.write_data(b"first")
-    outbox.now += 0.9 * PERIOD
-    connection.write_data(b"second")
-    assert not outbox.is_due
-    outbox.now += 0.2 * PERIOD
     assert outbox.is_due
 
     outbox.send()
     assert not outbox.is_due
+
+
+def test_messages_are_due_if_the_outbox_is_closed(subscriber, outbox):
+    _, _, connection = subscriber
+    connection.write_data(b"held")
+    assert not outbox.is_due
+
+    outbox.is_open = False
+
+    assert outbox.is_due
 
 
 def test_messages_are_due_if_a_connection_has_many(subscriber, outbox):
@@ -250,6 +237,33 @@ class Topic:
 
     def remove_connection(self, connection) -> None:
         self.connections = [each for each in self.connections if each is not connection]
+
+
+def test_messages_of_steps_go_to_the_subscribers_until_their_connection_fails(
+    subscriber, outbox, monkeypatch
+):
+    theirs, transport, connection = subscriber
+    publisher = SimpleNamespace(impl=Topic([connection]))
+    topics = SimpleNamespace(pubs={"/odom": publisher.impl})
+    monkeypatch.setattr(rospy.topics, "get_topic_manager", lambda: topics)
+    body = _core.World().add_body("dynamic", (0, 0, 0))
+    message = _core.BodyMessage(bytes(12), _core.RelativePoses(None, [body]), [(0, None, None)])
+    messages = _core.StepMessages()
+    messages.add(1, outbox.step_message(publisher, message))
+
+    messages.write(2_000_000_003)
+    outbox.send()
+    assert struct.unpack("<4I", waiting(theirs)) == (12, 1, 2, 3)  # length, header
+
+    theirs.close()
+    messages.write(4)
+    outbox.send()
+    assert publisher.impl.connections == []
+    assert transport.done
+
+
+def test_a_topic_with_connections_of_another_kind_is_left_to_python(outbox):
+    assert outbox.step_message(SimpleNamespace(impl=Topic([Broken()])), None) is None
 
 
 class Broken:

@@ -1,6 +1,7 @@
-"""ORCA: the core's velocities against hand-computed ones, and against RVO2 where pyrvo is."""
+"""ORCA: the core's velocities against hand-computed ones, and against those of RVO2."""
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -69,27 +70,65 @@ def test_wrong_arguments_raise_value_errors():
         choose((0, 0), (0, 0), dt=math.nan)
 
 
-@pytest.mark.parametrize("crowding", [3.0, 5.0], ids=["crowded", "sparse"])
-def test_equal_to_rvo2(crowding):
-    pyrvo = pytest.importorskip("pyrvo")
-    rng = np.random.default_rng(1)
-    for _ in range(100):
-        count, horizon, dt, most = 11, 2.0, 0.1, 1.5
-        points = rng.uniform(-crowding, crowding, (count, 2))
-        velocities, preferred = rng.uniform(-1, 1, (2, count, 2))
-        radii = rng.uniform(0.1, 0.3, count)
-        simulator = pyrvo.RVOSimulator(dt, 100.0, count, horizon, 1.0, 0.2, most)
-        for k in range(count):
+SCENES, AGENTS, HORIZON, DT, MOST = 100, 11, 2.0, 0.1, 1.5
+CROWDING = {"crowded": 3.0, "sparse": 5.0}
+RECORDED = Path(__file__).with_name("rvo2.npz")
+"""RVO2's velocities, shape (scenes, agents, 2): pyrvo needs packages that tests do not install."""
+
+
+def scenes(kind):
+    """Points, velocities, preferred velocities and radii of agents."""
+    rng, half = np.random.default_rng(1), CROWDING[kind]
+    for _ in range(SCENES):
+        points = rng.uniform(-half, half, (AGENTS, 2))
+        velocities, preferred = rng.uniform(-1, 1, (2, AGENTS, 2))
+        yield points, velocities, preferred, rng.uniform(0.1, 0.3, AGENTS)
+
+
+@pytest.mark.parametrize("kind", CROWDING)
+def test_equal_to_rvo2(kind):
+    with np.load(RECORDED) as recorded:
+        expected = recorded[kind]
+    found = []
+    for points, velocities, preferred, radii in scenes(kind):
+        for k in range(AGENTS):
+            others = np.argsort(((points - points[k]) ** 2).sum(axis=1))[1:]
+            rows = [
+                [*(points[j] - points[k]), *velocities[j], radii[k] + radii[j], 0.5] for j in others
+            ]
+            found.append(
+                choose(velocities[k], preferred[k], rows, horizon=HORIZON, dt=DT, most=MOST)
+            )
+
+    assert found == pytest.approx(expected.reshape(-1, 2), abs=1e-5)
+
+
+@pytest.mark.parametrize("kind", CROWDING)
+def test_the_recorded_velocities_are_those_of_rvo2(kind):
+    pytest.importorskip("pyrvo")
+    with np.load(RECORDED) as recorded:
+        assert rvo2_velocities(kind) == pytest.approx(recorded[kind], abs=1e-6)
+
+
+def rvo2_velocities(kind):
+    """The velocities that RVO2 chooses, by its binding pyrvo 0.4.3."""
+    import pyrvo
+
+    found = []
+    for points, velocities, preferred, radii in scenes(kind):
+        simulator = pyrvo.RVOSimulator(DT, 100.0, AGENTS, HORIZON, 1.0, 0.2, MOST)
+        for k in range(AGENTS):
             simulator.add_agent(points[k].tolist())
             simulator.set_agent_velocity(k, velocities[k].tolist())
             simulator.set_agent_pref_velocity(k, preferred[k].tolist())
             simulator.set_agent_radius(k, radii[k])
         simulator.do_step()
-        for k in range(count):
-            others = np.argsort(((points - points[k]) ** 2).sum(axis=1))[1:]
-            rows = [
-                [*(points[j] - points[k]), *velocities[j], radii[k] + radii[j], 0.5] for j in others
-            ]
-            chosen = choose(velocities[k], preferred[k], rows, horizon=horizon, dt=dt, most=most)
-            found = simulator.get_agent_velocity(k)
-            assert chosen == pytest.approx((found.x, found.y), abs=1e-5)
+        chosen = (simulator.get_agent_velocity(k) for k in range(AGENTS))
+        found.append([(velocity.x, velocity.y) for velocity in chosen])
+    return np.array(found)
+
+
+if __name__ == "__main__":  # with pyrvo
+    np.savez_compressed(
+        RECORDED, **{kind: rvo2_velocities(kind).astype(np.float32) for kind in CROWDING}
+    )

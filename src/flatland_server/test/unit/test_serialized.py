@@ -123,7 +123,7 @@ def test_a_message_of_a_body_that_is_gone_is_refused():
     body.remove()
 
     with pytest.raises(_core.GoneError):
-        message.data(1, 7)
+        message.data(7)
 
 
 MARKERS = """

@@ -53,6 +53,7 @@ def test_the_defaults_are_those_of_the_launch_file(read):
         seed=0,
         simplify_map=0,
         no_return="inf",
+        static_tf=False,
         realtime_priority=True,
         rospy_patches=True,
         map_to_odom=False,

@@ -2,6 +2,7 @@
 
 import argparse
 import math
+import os
 import secrets
 import sys
 import webbrowser
@@ -10,6 +11,8 @@ from pathlib import Path
 from flatland2d.cli.arguments import Subparsers, add_world, positive, whole_from
 from flatland2d.cli.run import interrupts
 from flatland_server.exceptions import MissingPackageError
+
+_ROS2 = "jazzy"
 
 
 def add_parser(commands: Subparsers) -> None:
@@ -66,6 +69,14 @@ def add_parser(commands: Subparsers) -> None:
         metavar="FOLDER",
         help="where clients may save and load states; by default they cannot",
     )
+    parser.add_argument(
+        "--ros2",
+        nargs="?",
+        const=_distribution(),
+        metavar="DISTRIBUTION",
+        help="for nodes of ROS 2, too, over DDS in the domain ROS_DOMAIN_ID; without a value those "
+        f"of the distribution ROS_DISTRO (default: {_ROS2})",
+    )
     parser.set_defaults(execute=_execute, parser=parser)
 
 
@@ -96,16 +107,25 @@ def _execute(options: argparse.Namespace) -> int:
         access=access,
         rosbridge_port=options.port,
         foxglove_port=options.foxglove_port,
+        ros2=options.ros2,
     )
     with server, interrupts() as is_interrupted:
         page = server.clients.url(ROSBRIDGE, "http")
         print(f"page: {page}")
         print(f"rosbridge: {server.clients.url(ROSBRIDGE, 'ws')}")
         print(f"Foxglove: {server.clients.url(FOXGLOVE, 'ws')}", flush=True)
+        if server.dds is not None:
+            print(f"ROS 2: domain {server.dds.domain}, {options.ros2}", flush=True)
         if options.open:
             webbrowser.open(page)
         server.run(lambda: not is_interrupted())
     return 0
+
+
+def _distribution() -> str:
+    """The distribution of ROS 2 in the environment, if there is one."""
+    has_ros2 = os.environ.get("ROS_VERSION") == "2"
+    return os.environ.get("ROS_DISTRO", _ROS2) if has_ros2 else _ROS2
 
 
 def _rate(text: str) -> float:

@@ -154,8 +154,10 @@ def _run(sweep: Sweep, options: argparse.Namespace, stack: ExitStack) -> int:
         progress.count(result)
     progress.end()
     written = sweep.write(pool, options.pictures)
-    print(text_table(*summary_cells(written.summary)))
-    print(f"results in {sweep.folder}: results.csv, summary.csv, report.html ...")
+    print(text_table(*summary_cells(written.summary, is_brief=True)))
+    print(
+        f"results in {sweep.folder}, with more metrics: results.csv, summary.csv, report.html ..."
+    )
     for problem in written.problems:
         print(problem, file=sys.stderr)
     if written.failed:

@@ -29,8 +29,10 @@ class Metric(NamedTuple):
 SUMMARISED: Dict[str, Metric] = {
     "success": Metric("success", 1, is_rate=True, is_gated=True),
     "collision": Metric("collision", -1, is_rate=True, is_gated=True),
+    "person_collision": Metric("collision with a person", -1, is_rate=True),
+    "timed_out": Metric("time-out", -1, is_rate=True),
     "time_to_goal": Metric("time to goal [s]", -1, is_gated=True),
-    "path_length": Metric("path length [m]", -1),
+    "path_to_goal": Metric("path to goal [m]", -1),
     "spl": Metric("SPL", 1),
     "barn_score": Metric("BARN score", 1),
     "min_clearance": Metric("least clearance [m]", 1),
@@ -41,7 +43,10 @@ SUMMARISED: Dict[str, Metric] = {
     "social_time": Metric("time in social space [s]", 0),
     "stalled_time": Metric("stalled time [s]", -1),
     "heading_change": Metric("heading change [rad]", -1),
-    "mean_jerk": Metric("mean jerk [m/s^3]", -1),
+    "mean_jerk": Metric("mean jerk [m/s³]", -1),
+    "speed_change": Metric("change of commanded speed [m/s]", -1),
+    "turn_change": Metric("change of commanded yaw rate [rad/s]", -1),
+    "localization_error": Metric("localisation error [m]", -1),
 }
 """The metrics that are summarised, by the names of their columns."""
 

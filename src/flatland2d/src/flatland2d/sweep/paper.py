@@ -1,10 +1,9 @@
 """The summary of a sweep for a paper: a LaTeX and a Markdown table, and a figure."""
 
 import io
-from typing import Any, Dict, List, Mapping, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Sequence
 
-from flatland2d.sweep.metrics import SUMMARISED
-from flatland2d.sweep.report import summary_cells
+from flatland2d.sweep.metrics import SUMMARISED, Metric
 from flatland_server.exceptions import MissingPackageError
 
 _LATEX = {
@@ -12,33 +11,50 @@ _LATEX = {
     "~": "\\textasciitilde{}",
     "^": "\\textasciicircum{}",
     "\\": "\\textbackslash{}",
+    "³": "\\textsuperscript{3}",
+    "\N{UPWARDS ARROW}": "$\\uparrow$",
+    "\N{DOWNWARDS ARROW}": "$\\downarrow$",
 }
 _COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """M. Okabe and K. Ito, "Color universal design" (2008)."""
-_PANEL = (2.3, 2.2)  # inches
-_PANELS_IN_ROW = 3
+_PANEL = (1.75, 1.65)  # inches
+_PANELS_IN_ROW = 4  # as wide as the text of a page with two columns
+_MARKERS = "osD^vP*"
 
 Summary = Sequence[Mapping[str, Any]]
 """See `summary_rows`."""
 
 
 def markdown_table(summary: Summary) -> str:
-    """The summary as a table in Markdown."""
-    heads, cells = _labelled(summary)
-    lines = [heads, ["---"] * len(heads), *cells]
+    """The summary as a table in Markdown: a row for each world and metric."""
+    heads = ["world", "metric", *_controllers(summary)]
+    lines = [heads, ["---"] * len(heads)]
+    for title, rows in _groups(summary).items():
+        lines += [[title, *line] for line in _lines(rows, heads[2:])]
     return "".join(
         f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |\n" for line in lines
     )
 
 
 def latex_table(summary: Summary) -> str:
-    """The summary as a tabular of LaTeX, with the rules of the package booktabs."""
-    heads, cells = _labelled(summary)
-    columns = "".join("l" if name in ("world", "controller") else "r" for name in heads)
-    head, *rows = (f"{' & '.join(map(_in_latex, line))} \\\\" for line in (heads, *cells))
-    begin, end = f"\\begin{{tabular}}{{{columns}}}", "\\end{tabular}"
-    lines = [begin, "\\toprule", head, "\\midrule", *rows, "\\bottomrule", end]
-    return "\n".join(lines) + "\n"
+    """The summary as a tabular of LaTeX, with the rules of the package booktabs.
+
+    A column for each controller, and a block of metrics for each world with its parameters.
+    """
+    controllers = _controllers(summary)
+    lines = [
+        f"\\begin{{tabular}}{{l{'r' * len(controllers)}}}",
+        "\\toprule",
+        _latex_row(["", *controllers]),
+    ]
+    for title, rows in _groups(summary).items():
+        width = len(controllers) + 1
+        lines += [
+            "\\midrule",
+            f"\\multicolumn{{{width}}}{{l}}{{\\textit{{{_in_latex(title)}}}}} \\\\",
+        ]
+        lines += map(_latex_row, _lines(rows, controllers))
+    return "\n".join([*lines, "\\bottomrule", "\\end{tabular}"]) + "\n"
 
 
 def figure(summary: Summary) -> bytes:
@@ -58,13 +74,10 @@ def figure(summary: Summary) -> bytes:
             f"'flatland2d[sweep]' ({str(error).splitlines()[0]})"
         ) from None
     metrics = [name for name in SUMMARISED if any(row[name] is not None for row in summary)]
-    groups: Dict[str, List[Mapping[str, Any]]] = {}
-    for row in summary:
-        groups.setdefault(", ".join(_group(row)), []).append(row)
-    controllers = list(dict.fromkeys(row["controller"] for row in summary))
+    groups, controllers = _groups(summary), _controllers(summary)
     columns = min(_PANELS_IN_ROW, max(1, len(metrics)))
     rows = max(1, -(-len(metrics) // columns))
-    with rc_context({"font.size": 8, "pdf.fonttype": 42, "text.parse_math": False}):
+    with rc_context({"font.size": 7, "pdf.fonttype": 42, "text.parse_math": False}):
         drawn = Figure((columns * _PANEL[0], rows * _PANEL[1]), constrained_layout=True)
         panels = drawn.subplots(rows, columns, squeeze=False).flat
         for panel in panels[len(metrics) :]:
@@ -73,10 +86,10 @@ def figure(summary: Summary) -> bytes:
             for index, (label, group) in enumerate(groups.items()):
                 shift = 0.6 * ((index + 0.5) / len(groups) - 0.5)
                 places = [controllers.index(row["controller"]) + shift for row in group]
-                _draw(panel, places, group, name, _COLORS[index % len(_COLORS)], label)
+                _draw(panel, places, group, name, index % len(_COLORS), label)
             panel.set_xticks(range(len(controllers)), controllers, rotation=30, ha="right")
             panel.set_xlim(-0.5, len(controllers) - 0.5)
-            panel.set_ylabel(SUMMARISED[name].label)
+            panel.set_ylabel(SUMMARISED[name].label.replace(" [", "\n["))
             panel.grid(axis="y", linewidth=0.3)
         if len(groups) > 1:
             drawn.axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False)
@@ -86,7 +99,7 @@ def figure(summary: Summary) -> bytes:
 
 
 def _draw(
-    panel: Any, places: List[float], rows: Summary, name: str, color: str, label: str
+    panel: Any, places: List[float], rows: Summary, name: str, style: int, label: str
 ) -> None:
     """Draws the estimates of a metric, each with its interval."""
     found = [
@@ -98,31 +111,66 @@ def _draw(
     points += [(x, y, 0.0, 0.0) for x, y, low, _ in found if low is None]
     if points:
         x, y, below, above = zip(*points)
-        panel.errorbar(
-            x, y, yerr=(below, above), fmt="o", ms=3, capsize=2, lw=1, color=color, label=label
-        )
+        look = {"fmt": _MARKERS[style], "color": _COLORS[style]}
+        panel.errorbar(x, y, yerr=(below, above), ms=3, capsize=2, lw=1, label=label, **look)
 
 
-def _group(row: Mapping[str, Any]) -> List[str]:
-    """World and parameters of a row, such as "office" and "speed 0.5"."""
-    names = list(row)[: list(row).index("scenarios")]
-    return [
-        str(row[name]) if name == "world" else f"{name} {row[name]}"
-        for name in names
-        if name != "controller"
-    ]
+def _controllers(summary: Summary) -> List[str]:
+    return list(dict.fromkeys(str(row["controller"]) for row in summary))
 
 
-def _labelled(summary: Summary) -> Tuple[List[str], List[List[str]]]:
-    """The heads of the summary with units, and its cells; without a column of no failures."""
-    heads, cells = summary_cells(summary)
-    shown = [
-        i
-        for i, name in enumerate(heads)
-        if name != "failed" or any(row["failed"] for row in summary)
-    ]
-    labels = [SUMMARISED[name].label if name in SUMMARISED else name for name in heads]
-    return [labels[i] for i in shown], [[row[i] for i in shown] for row in cells]
+def _groups(summary: Summary) -> Dict[str, List[Mapping[str, Any]]]:
+    """The rows by world and parameters, such as "office, speed 0.5"."""
+    groups: Dict[str, List[Mapping[str, Any]]] = {}
+    for row in summary:
+        names = [name for name in list(row)[: list(row).index("scenarios")] if name != "controller"]
+        parts = [f"{row[name]}" if name == "world" else f"{name} {row[name]}" for name in names]
+        groups.setdefault(", ".join(parts), []).append(row)
+    return groups
+
+
+def _lines(rows: Summary, controllers: Sequence[str]) -> List[List[str]]:
+    """The numbers of runs, and the metrics that have values: a label, and a cell by controller."""
+    by_controller = {str(row["controller"]): row for row in rows}
+    found = [by_controller.get(name) for name in controllers]
+    counts = [["runs", *(str(row["scenarios"]) if row else "" for row in found)]]
+    if any(row["failed"] for row in rows):
+        counts.append(["failed to run", *(str(row["failed"]) if row else "" for row in found)])
+    names = [name for name in rows[0] if f"{name}_low" in rows[0]]
+    used = [name for name in names if any(row[name] is not None for row in rows)]
+    return counts + [[_label(name), *_cells(name, found)] for name in used]
+
+
+def _label(name: str) -> str:
+    """A metric with its unit, and an arrow up if more is better, down if less is."""
+    metric = SUMMARISED.get(name, Metric(name, 0))
+    label = f"{metric.label} [%]" if metric.is_rate else metric.label
+    return label + ("", " \N{UPWARDS ARROW}", " \N{DOWNWARDS ARROW}")[metric.better]
+
+
+def _cells(name: str, rows: Sequence[Optional[Mapping[str, Any]]]) -> List[str]:
+    """A metric of several rows with its intervals, all with equally many decimals."""
+    is_rate = name in SUMMARISED and SUMMARISED[name].is_rate
+    scale = 100.0 if is_rate else 1.0
+    ends = [[row[f"{name}{end}"] if row else None for end in ("", "_low", "_high")] for row in rows]
+    scaled = [[None if x is None else scale * x for x in each] for each in ends]
+    most = max(abs(x) for each in scaled for x in each if x is not None)
+    decimals = 1 if is_rate or most >= 10.0 else 2 if most >= 1.0 else 3
+
+    def text(value: float) -> str:
+        is_fixed = most == 0.0 or 0.01 <= most < 1e6
+        return f"{round(value, decimals) + 0.0:.{decimals}f}" if is_fixed else f"{value:.3g}"
+
+    def cell(value: Optional[float], low: Optional[float], high: Optional[float]) -> str:
+        if value is None:
+            return ""
+        return text(value) + (f" [{text(low)}, {text(high)}]" if None not in (low, high) else "")
+
+    return [cell(*each) for each in scaled]
+
+
+def _latex_row(cells: Sequence[str]) -> str:
+    return f"{' & '.join(map(_in_latex, cells))} \\\\"
 
 
 def _in_latex(text: str) -> str:

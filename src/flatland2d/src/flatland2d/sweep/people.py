@@ -5,7 +5,7 @@ to 1.2 m, social up to 3.6 m. As for clearances, a distance is that between the 
 robot's footprints to the circle around a person.
 """
 
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, List, Set, Tuple
 
 import numpy as np
 
@@ -42,6 +42,7 @@ class PeopleMetrics:
         self._robot = robot
         self._distances: List[float] = []
         self._durations: List[float] = []
+        self._names: Set[str] = set()
 
     def measure(self, duration: float) -> None:
         """Measures after a control step; nothing without people.
@@ -51,6 +52,7 @@ class PeopleMetrics:
         """
         people = people_of(self._world)
         if people:
+            self._names.update(person.name for person in people)
             edges, radii = _outlines(self._robot)
             places = np.array([person.pose[:2] for person in people])
             away = np.sqrt((from_segments(places, edges) ** 2).sum(axis=2)) - radii
@@ -58,18 +60,23 @@ class PeopleMetrics:
             self._distances.append(max(0.0, float(distances.min())))
             self._durations.append(duration)
 
-    def values(self) -> Dict[str, Any]:
+    def values(self, hit: str) -> Dict[str, Any]:
         """The metrics so far, by their names; none without people.
 
+        - `person_collision`: whether a person was hit first.
         - `people_distance`: the least distance from the nearest person [m].
         - `mean_people_distance`: the mean over control steps, by their durations [m].
         - `intimate_time`, `personal_time`, `social_time`: in which the nearest person was at that
           distance [s].
+
+        Args:
+            hit: the model or layer that the robot has hit first; "" without a collision.
         """
         if not self._distances:
             return {}
         distances, durations = np.array(self._distances), np.array(self._durations)
-        found = {
+        found: Dict[str, Any] = {
+            "person_collision": hit in self._names,
             "people_distance": float(distances.min()),
             "mean_people_distance": float(np.average(distances, weights=durations)),
         }

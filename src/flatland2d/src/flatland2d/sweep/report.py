@@ -10,6 +10,7 @@ from flatland2d.rendering.image_canvas import ImageCanvas
 from flatland2d.rendering.renderer import Renderer, to_png
 from flatland2d.rendering.view import View, fitting_size
 from flatland2d.sweep.intervals import CONFIDENCE
+from flatland2d.sweep.metrics import SUMMARISED
 from flatland2d.sweep.run import RunObserver, SweepRun
 from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.settings import Scenario
@@ -72,8 +73,15 @@ def report_html(
     )
 
 
-def summary_cells(summary: Sequence[Mapping[str, Any]]) -> Tuple[List[str], List[List[str]]]:
-    """The heads and the cells of the summary, each estimate with its interval in one cell."""
+def summary_cells(
+    summary: Sequence[Mapping[str, Any]], is_brief: bool = False
+) -> Tuple[List[str], List[List[str]]]:
+    """The heads and the cells of the summary, each estimate with its interval in one cell.
+
+    Args:
+        summary: see `summary_rows`.
+        is_brief: whether metrics are left out that are not compared with a baseline.
+    """
     names = list(summary[0]) if summary else []
     heads = [
         name
@@ -81,6 +89,7 @@ def summary_cells(summary: Sequence[Mapping[str, Any]]) -> Tuple[List[str], List
         if not any(
             name == f"{other}{end}" for other in names for end in ("_low", "_high", "_count")
         )
+        and not (is_brief and name in SUMMARISED and not SUMMARISED[name].is_gated)
     ]
     cells = [[_cell(row, name) for name in heads] for row in summary]
     used = [i for i, _ in enumerate(heads) if any(row[i] for row in cells)]
@@ -111,7 +120,7 @@ def _cell(row: Mapping[str, Any], name: str) -> str:
         return ""
     if f"{name}_low" not in row:
         return f"{value:g}" if isinstance(value, float) else str(value)
-    is_rate = name in ("success", "collision")
+    is_rate = name in SUMMARISED and SUMMARISED[name].is_rate
     low, high = row[f"{name}_low"], row[f"{name}_high"]
     if is_rate:
         return f"{value:.1%} [{low:.1%}, {high:.1%}]"

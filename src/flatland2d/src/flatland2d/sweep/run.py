@@ -1,7 +1,7 @@
 """The run of a scenario, as its controller sees it: the simulation, the robot, the goal, time."""
 
 import math
-from typing import Any, Dict, List, Mapping, Optional, Sequence
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from flatland2d.simulation import Simulation
 from flatland2d.sweep.metrics import barn_score, motion_metrics
 from flatland2d.sweep.people import PeopleMetrics
 from flatland2d.sweep.settings import SweepSettings, Task
-from flatland_navigation.score import spl
+from flatland_navigation.score import GoalScore, spl
 from flatland_server import _core
 from flatland_server.arguments import steps_in
 from flatland_server.exceptions import UsageError
@@ -27,8 +27,12 @@ METRICS = (
     "success",
     "collision",
     "collision_with",
+    "contacts",
+    "person_collision",
+    "timed_out",
     "time",
     "time_to_goal",
+    "path_to_goal",
     "path_length",
     "shortest_path",
     "spl",
@@ -42,6 +46,10 @@ METRICS = (
     "stalled_time",
     "heading_change",
     "mean_jerk",
+    "speed_change",
+    "turn_change",
+    "localization_error",
+    "max_localization_error",
     "goal_distance",
     "start_x",
     "start_y",
@@ -50,6 +58,15 @@ METRICS = (
     "goal_y",
 )
 """The measured values of each scenario, in the order of the table's columns."""
+
+SCORED = (
+    "contacts",
+    "speed_change",
+    "turn_change",
+    "localization_error",
+    "max_localization_error",
+)
+"""Those of a `GoalScore`."""
 
 
 class RunObserver:
@@ -143,6 +160,8 @@ class SweepRun:
         self._top_speed = task.top_speed
         if robot is not None:
             self._body = robot.model.base.physics_body
+            self._drive = _drive_of(simulation, robot)
+            self._score = GoalScore(1, shortest)
             self._start = robot.pose
             self._place = self._start[:2]
             self._people = PeopleMetrics(simulation.world, robot.model)
@@ -212,9 +231,20 @@ class SweepRun:
             if self.outcome:
                 break
         if self._robot is not None:
+            if self._drive is not None:
+                self._score.add_command(*self._drive.target)
             self._note_pose()
             self._measure_clearance()
         return self.is_running
+
+    def note_estimate(self, x: float, y: float) -> None:
+        """Tells where the controller believes the robot to be, for `localization_error`.
+
+        Args:
+            x: of the origin of its first body [m].
+            y: likewise [m].
+        """
+        self._score.add_error(math.dist(self.robot.pose[:2], (x, y)))
 
     def end(self) -> None:
         """Ends the run after its controller has returned."""
@@ -233,13 +263,19 @@ class SweepRun:
         found["collision_with"] = self._collided_with or None
         found["path_length"] = self._length
         found.update(motion_metrics(self._times, self._poses))
-        found.update(self._people.values())
+        score = self._score.row(self.outcome)
+        found.update({name: score[name] for name in SCORED})
+        if self._drive is None:
+            found["speed_change"] = found["turn_change"] = None
+        found.update(self._people.values(self._collided_with))
         if math.isfinite(self._clearance):
             found["min_clearance"] = self._clearance
         if self.goal is not None:
             found["success"] = self._has_arrived
+            found["timed_out"] = self.outcome == "time limit"
             found["goal_distance"] = math.dist(self._place, self.goal)
-            found["time_to_goal"] = now if self._has_arrived else None
+            if self._has_arrived:
+                found["time_to_goal"], found["path_to_goal"] = now, self._length
             found["shortest_path"] = self._shortest
             if self._shortest is not None:
                 done = self._has_arrived, self._shortest
@@ -255,17 +291,27 @@ class SweepRun:
             x, y, _ = self._body.pose
             self._length += math.dist(self._place, (x, y))
             self._place = (x, y)
-            name = self._robot.name
-            for touch in self.simulation.contacts:
-                if touch.points and touch.of(name) and touch.model_a != touch.model_b:
-                    self._collide(touch.model_b if touch.model_a == name else touch.model_a)
-                    break
+            touched = self._touched(self._robot.name)
+            self._score.add_contacts(set(touched))
+            if touched:
+                self._collide(touched[0][0])
             goal = None if self._collided_with else self.goal
             if goal is not None and math.dist(self._place, goal) < self.goal_radius:
                 self._has_arrived = True
                 self.outcome = "goal"
         if not self.outcome and self._steps >= self._limit:
             self.outcome = "time limit"
+
+    def _touched(self, robot: str) -> List[Tuple[str, str]]:
+        """The solid models or layers, and their bodies, that the robot touches."""
+        found = []
+        for touch in self.simulation.contacts:
+            if touch.points and touch.model_a != touch.model_b:
+                if touch.model_a == robot:
+                    found.append((touch.model_b, touch.body_b))
+                elif touch.model_b == robot:
+                    found.append((touch.model_a, touch.body_a))
+        return found
 
     def _collide(self, other: str) -> None:
         self._collided_with = self._collided_with or other
@@ -284,3 +330,12 @@ class SweepRun:
     def _measure_clearance(self) -> None:
         """Updates the smallest distance of the robot from obstacles."""
         self._clearance = self._bodies.clearance(self._clearance)
+
+
+def _drive_of(simulation: Simulation, robot: ModelHandle) -> Optional[_core.Drive]:
+    """The drive of the core whose command is a velocity, if the robot has one."""
+    for plugin in simulation.world.plugins_of(robot.name).values():
+        role = plugin.batch_role
+        if role is not None and role.drive is not None and isinstance(role.drive.drive, _core.Drive):
+            return role.drive.drive
+    return None

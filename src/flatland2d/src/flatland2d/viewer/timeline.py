@@ -2,7 +2,7 @@
 
 from flatland2d.simulation import Simulation
 from flatland_server.exceptions import StateError
-from flatland_server.simulation.history import SHARE_OF_VIEWERS, History
+from flatland_server.simulation.history import SHARE_OF_VIEWERS
 
 
 class Timeline:
@@ -19,7 +19,7 @@ class Timeline:
         """The reason why there is no history; empty if there is one."""
         if keeps and simulation.history is None:
             try:
-                History(simulation, share=SHARE_OF_VIEWERS)
+                simulation.keep_history(share=SHARE_OF_VIEWERS)
             except StateError as error:
                 self.problem = str(error)
 

@@ -73,7 +73,9 @@ def test_only_pairs_with_both_values_count():
 
 
 def test_equal_runs_do_not_differ():
-    found = compare(runs("path_length", [1.0, 2.0]), runs("path_length", [1.0, 2.0]), "path_length")
+    found = compare(
+        runs("path_to_goal", [1.0, 2.0]), runs("path_to_goal", [1.0, 2.0]), "path_to_goal"
+    )
 
     assert (found.low, found.high, found.p) == (0.0, 0.0, 1.0)
 
@@ -230,22 +232,48 @@ SUMMARY = [
 ]
 
 
-def test_a_table_for_latex():
+def test_a_table_for_latex_has_a_column_for_each_controller():
     assert latex_table(SUMMARY) == (
-        "\\begin{tabular}{llrr}\n\\toprule\nworld & controller & scenarios & success \\\\\n"
-        "\\midrule\n"
-        "room\\_1 & a \\& b & 10 & 90.0\\% [60.0\\%, 98.0\\%] \\\\\n"
-        "room\\_1 & c|d & 10 & 90.0\\% [60.0\\%, 98.0\\%] \\\\\n"
+        "\\begin{tabular}{lrr}\n\\toprule\n & a \\& b & c|d \\\\\n\\midrule\n"
+        "\\multicolumn{3}{l}{\\textit{room\\_1}} \\\\\n"
+        "runs & 10 & 10 \\\\\n"
+        "success [\\%] $\\uparrow$ & 90.0 [60.0, 98.0] & 90.0 [60.0, 98.0] \\\\\n"
         "\\bottomrule\n\\end{tabular}\n"
     )
 
 
 def test_a_table_in_markdown():
     assert markdown_table(SUMMARY) == (
-        "| world | controller | scenarios | success |\n| --- | --- | --- | --- |\n"
-        "| room_1 | a & b | 10 | 90.0% [60.0%, 98.0%] |\n"
-        "| room_1 | c\\|d | 10 | 90.0% [60.0%, 98.0%] |\n"
+        "| world | metric | a & b | c\\|d |\n| --- | --- | --- | --- |\n"
+        "| room_1 | runs | 10 | 10 |\n"
+        "| room_1 | success [%] \N{UPWARDS ARROW} | 90.0 [60.0, 98.0] | 90.0 [60.0, 98.0] |\n"
     )
+
+
+def test_numbers_of_a_row_have_equally_many_decimals_and_no_signs_of_rounding():
+    def row(name, **values):
+        ends = {
+            f"{key}{end}": value for key, each in values.items() for end, value in zip(ENDS, each)
+        }
+        return {**SUMMARY[0], "controller": name, "failed": 1, **ends}
+
+    none = (None, None, None)
+    jerk, mine, far = (12.345, 9.0, 15.0), (2e-6, -3e-6, 7e-6), (3.0, None, None)
+    first = row("a", mean_jerk=jerk, mine=mine, time_to_goal=far, spl=(0.0, -1e-9, 0.04))
+    second = row(
+        "b", mean_jerk=(0.5, 0.25, 0.75), mine=none, time_to_goal=none, spl=(0.5, 0.4, 0.6)
+    )
+
+    table = markdown_table([first, second, {**first, "world": "other", "controller": "c"}])
+
+    assert "| room_1 | failed to run | 1 | 1 |  |" in table
+    assert (
+        "| mean jerk [m/s³] \N{DOWNWARDS ARROW} | 12.3 [9.0, 15.0] | 0.5 [0.2, 0.8] |  |" in table
+    )
+    assert "| SPL \N{UPWARDS ARROW} | 0.000 [0.000, 0.040] | 0.500 [0.400, 0.600] |  |" in table
+    assert "| mine | 2e-06 [-3e-06, 7e-06] |  |  |" in table
+    assert "| time to goal [s] \N{DOWNWARDS ARROW} | 3.00 |  |  |" in table
+    assert "| other | SPL \N{UPWARDS ARROW} |  |  | 0.000 [0.000, 0.040] |" in table
 
 
 def test_a_figure_is_the_same_file_each_time():

@@ -115,6 +115,7 @@ def test_what_a_robot_has_hit_first(settings_of):
     row = result_of(settings_of(controllers=AHEAD, start="[2.5, 0, 0]", goal=None, time_limit=10))
 
     assert (row["collision"], row["collision_with"]) == (True, "walls")
+    assert row["person_collision"] is None  # there are no people
 
 
 def test_without_a_collision_nothing_was_hit(settings_of):
@@ -146,6 +147,27 @@ def test_distances_from_people_and_the_time_in_their_zones(folder, settings_of):
     assert row["intimate_time"] == 0.0
     assert row["personal_time"] == pytest.approx(0.05 * (distances < 1.2).sum(), abs=0.11)
     assert row["social_time"] == pytest.approx(0.05 * (distances >= 1.2).sum(), abs=0.11)
+
+
+@pytest.mark.parametrize(("y", "hit"), [(0.0, "people_0"), (2.0, "box")])
+def test_whether_a_person_was_hit(folder, settings_of, y, hit):
+    with (folder / "world.yaml").open("a") as world:
+        world.write(CROWD.replace("-1, 0", "0, 0"))
+
+    row = result_of(settings_of(controllers=AHEAD, start=f"[-2, {y}, 0]", goal=None, time_limit=20))
+
+    assert row["collision_with"] == hit
+    assert row["person_collision"] is (hit == "people_0")
+
+
+def test_time_outs_and_paths_to_the_goal(settings_of):
+    keys = {"controllers": AHEAD, "start": "[-3, 0, 0]", "goal": "[-1, 0]"}  # 1.7 m at 0.5 m/s
+
+    late, arrived = (result_of(settings_of(**keys, time_limit=limit)) for limit in (2.0, 8.0))
+
+    assert (late["timed_out"], late["path_to_goal"]) == (True, None)
+    assert late["path_length"] == pytest.approx(1.0, abs=0.01)
+    assert (arrived["timed_out"], arrived["path_to_goal"]) == (False, arrived["path_length"])
 
 
 def test_without_people_there_are_no_distances_from_them(settings_of):

@@ -65,6 +65,26 @@ def test_a_run_goes_on_after_a_collision_if_the_file_says_so(settings_of):
     assert result.row["time"] == pytest.approx(15.0)
 
 
+def test_contacts_commands_and_estimates_are_scored(settings_of):
+    task = {**AHEAD, "controllers": controllers("knocks"), "goal": None}
+    [result] = results_of(settings_of(**task, time_limit=15, collision_ends=False))
+
+    row = result.row
+    assert (row["contacts"], row["collision_with"]) == (2, "walls")
+    assert row["speed_change"] == pytest.approx(3.0)
+    assert row["turn_change"] == pytest.approx(0.4)
+    assert row["localization_error"] == pytest.approx(0.2)
+    assert row["max_localization_error"] == pytest.approx(0.4)
+
+
+def test_without_estimates_there_is_no_localization_error(settings_of):
+    [result] = results_of(settings_of(**AHEAD, goal="[-1, 0]"))
+
+    row = result.row
+    assert (row["contacts"], row["speed_change"], row["turn_change"]) == (0, 0.0, 0.0)
+    assert (row["localization_error"], row["max_localization_error"]) == (None, None)
+
+
 def test_a_world_runs_by_itself(settings_of):
     [result] = results_of(
         settings_of(controllers=None, seeds=1, start=None, goal=None, time_limit=0.5)

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from flatland_server.geometry import Pose, quaternion
+from flatland_server.geometry import Pose, Transform, quaternion
 from flatland_server.messages.message_types import TYPES
 
 
@@ -48,6 +48,23 @@ def yaw_of(orientation: Any) -> float:
     """
     q = orientation
     return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
+
+
+def transform_of(message: Any) -> Transform:
+    """A transform in the plane.
+
+    Args:
+        message: a geometry_msgs/TransformStamped; its height and pitch are ignored.
+    """
+    translation, q = message.transform.translation, message.transform.rotation
+    stamp = message.header.stamp
+    return Transform(
+        stamp.secs * 1_000_000_000 + stamp.nsecs,
+        message.header.frame_id,
+        message.child_frame_id,
+        Pose(translation.x, translation.y, yaw_of(q)),
+        2.0 * math.atan2(math.hypot(q.x, q.y), math.hypot(q.z, q.w)),
+    )
 
 
 def fill_twist(message: Any, vx: float, vy: float, omega: float) -> None:

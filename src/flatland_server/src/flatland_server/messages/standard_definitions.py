@@ -204,9 +204,21 @@ MenuEntry: uint32 id parent_id; string title command; uint8 FEEDBACK=0 ROSRUN=1 
 
 def standard_definitions() -> Dict[str, str]:
     """The definitions in the .msg grammar, by name."""
+    definitions: Dict[str, str] = {}
+    for package, shorthand in _SHORTHANDS.items():
+        definitions.update(written_out(package, shorthand))
+    return definitions
+
+
+def written_out(package: str, shorthand: str) -> Dict[str, str]:
+    """The definitions of a package in the .msg grammar, by name.
+
+    Args:
+        package: of the types.
+        shorthand: see above.
+    """
     return {
         f"{package}/{name.strip()}": "".join(_lines(parts))
-        for package, shorthand in _SHORTHANDS.items()
         for name, _, parts in (line.partition(":") for line in _unwrapped(shorthand))
     }
 

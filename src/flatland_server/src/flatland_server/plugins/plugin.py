@@ -47,6 +47,7 @@ from typing import Any, Callable, Optional, Sequence
 import numpy as np
 
 from flatland_server import _core
+from flatland_server._core import StepMessage
 from flatland_server.canvas import Canvas
 from flatland_server.config.ros_names import namespaced_frame
 from flatland_server.config.yaml_reader import REQUIRED, YamlReader
@@ -86,15 +87,16 @@ class Plugin:
     """True if keys that it does not read are accepted, instead of refused as misspelt."""
 
     def __init_subclass__(cls, **arguments: Any) -> None:
-        """Drops the inherited `batch_role` of a class that overrides a hook."""
+        """Drops what a class that overrides a hook inherits beside it."""
         super().__init_subclass__(**arguments)
-        if "batch_role" not in vars(cls) and not any(
-            cls.batch_role is base.batch_role
-            and all(getattr(cls, hook) is getattr(base, hook) for hook in HOOKS)
-            for base in cls.__bases__
-            if issubclass(base, Plugin)
-        ):
-            cls.batch_role = Plugin.batch_role  # type: ignore[method-assign]
+        for name in ("batch_role", "step_messages"):
+            if name not in vars(cls) and not any(
+                getattr(cls, name) is getattr(base, name)
+                and all(getattr(cls, hook) is getattr(base, hook) for hook in HOOKS)
+                for base in cls.__bases__
+                if issubclass(base, Plugin)
+            ):
+                setattr(cls, name, getattr(Plugin, name))
 
     def __init__(self, type: str, name: str, node: Node, rng: np.random.Generator) -> None:
         self.type = type
@@ -173,6 +175,15 @@ class Plugin:
         else.
         """
         return True
+
+    def step_messages(self) -> Sequence[Optional[StepMessage]]:
+        """The messages that the core writes at each step, in place of the plugin's step hooks.
+
+        For plugins without an `update_timer` that only publish poses and velocities, before the
+        physics. Called after `has_work`. Without a message, or with a None among them, the hooks
+        are called. A derived class that overrides a hook has to override this again.
+        """
+        return ()
 
     def prepare_step(self, timekeeper: Timekeeper) -> None:
         """Called on all plugins that are due, before `before_physics_step` of the first of them.

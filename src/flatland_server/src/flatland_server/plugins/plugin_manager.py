@@ -17,6 +17,7 @@ from typing import (
 )
 
 from flatland_server import _core
+from flatland_server._core import StepMessages
 from flatland_server.canvas import Canvas
 from flatland_server.exceptions import PLUGIN_ERRORS, Problem, YamlError
 from flatland_server.models.entity import Entities, Entity
@@ -25,7 +26,7 @@ from flatland_server.plugins.contact_dispatcher import ContactDispatcher
 from flatland_server.plugins.plugin import HOOKS, STEP_HOOKS, Plugin
 from flatland_server.plugins.plugin_factory import PluginFactory
 from flatland_server.plugins.plugin_loader import PluginLoader
-from flatland_server.plugins.schedule import NO_CALLS, Schedule
+from flatland_server.plugins.schedule import NO_CALLS, Schedule, Work
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.node import Node
 from flatland_server.transport.transport import Transport
@@ -34,6 +35,9 @@ logger = logging.getLogger(__name__)
 
 P = TypeVar("P", bound=Plugin)
 Hook = Callable[..., None]
+
+_LAST = 2**63 - 1
+"""Comes after all plugins in their order."""
 
 
 class PluginRevision:
@@ -99,7 +103,7 @@ class PluginManager:
         self._plugins: Dict[str, List[Plugin]] = {}  # by the model's name; "" is the world
         self._failures: Dict[Plugin, PluginFailure] = {}
         self._contacts = ContactDispatcher(physics, entities, self._call)
-        self._schedule = Schedule(self._has_work, lambda: self._contacts.is_listening)
+        self._schedule = Schedule(self._work_of, lambda: self._contacts.is_listening)
         self.plan = self._schedule.plan
         self._step_calls = NO_CALLS
         self.on_failure: Optional[FailureHandler] = None
@@ -247,13 +251,21 @@ class PluginManager:
         self._contacts.before_delivery = callback
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Calls `prepare_step` and `before_physics_step` of all plugins that are due."""
+        """Calls `prepare_step` and `before_physics_step` of all plugins that are due.
+
+        In between, the core writes the messages of the others.
+        """
         self._step_calls = self._schedule.calls(timekeeper, self._transport.subscriber_revision)
         hooks = self._step_calls.hooks
         if hooks["prepare_step"]:
             self._call_step_hooks("prepare_step", timekeeper)
+        messages = self._schedule.messages
+        if messages is not None:
+            messages.begin(timekeeper.nanoseconds)
         if hooks["before_physics_step"]:
-            self._call_step_hooks("before_physics_step", timekeeper)
+            self._call_step_hooks("before_physics_step", timekeeper, messages)
+        if messages is not None:
+            messages.write_until(_LAST)
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Calls `after_physics_step` of all plugins that were due before the step."""
@@ -286,17 +298,24 @@ class PluginManager:
         except PLUGIN_ERRORS:
             self._fail(plugin, name)
 
-    def _call_step_hooks(self, name: str, timekeeper: Timekeeper) -> None:
+    def _call_step_hooks(
+        self, name: str, timekeeper: Timekeeper, messages: Optional[StepMessages] = None
+    ) -> None:
         for scheduled, hook in self._step_calls.hooks[name]:
+            if messages is not None:
+                messages.write_until(scheduled.order)
             if not scheduled.is_removed:
                 try:
                     hook(timekeeper)
                 except PLUGIN_ERRORS:
                     self._fail(scheduled.plugin, name)
 
-    def _has_work(self, plugin: Plugin) -> bool:
+    def _work_of(self, plugin: Plugin) -> Work:
         try:
-            return plugin.has_work()
+            if not plugin.has_work():
+                return False
+            messages = plugin.step_messages()
+            return messages if messages and None not in messages else True
         except PLUGIN_ERRORS:
             self._fail(plugin, "has_work")
             return False

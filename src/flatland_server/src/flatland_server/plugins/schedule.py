@@ -1,7 +1,7 @@
 """The schedule: the plugins to call in a step, and the number of steps that call none.
 
     state    a plugin                      its step hooks are called
-    steady   without a rate, with work     in every step
+    steady   without a rate, with work     in every step; or the core writes its `step_messages`
     timed    with a rate and with work     when its `update_timer` is due
     idle     without work                  never; its timer goes on
 
@@ -15,13 +15,17 @@ import math
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 from operator import attrgetter
-from typing import Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, Optional, Sequence, Tuple, Union
 
+from flatland_server._core import StepMessage, StepMessages
 from flatland_server.plugins.plugin import STEP_HOOKS, Plugin
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.update_timer import UpdateTimer
 
 StepHook = Callable[[Timekeeper], None]
+
+Work = Union[bool, Sequence[Optional[StepMessage]]]
+"""Whether the hooks of a plugin are to be called, or the messages in their place: all are there."""
 
 _FOREVER = 2**63
 """A time that is never reached [ns]; an int, since ints are compared faster with ints."""
@@ -35,11 +39,12 @@ class StepPlan:
 
     Attributes:
         until: the time [ns] of the next step that calls a hook; 0 if each step may call one.
+        messages: what the core writes before each step; None: nothing.
         subscriber_revision: of the transport when the plan was made; it is valid only as long as
             the subscribers are the same.
     """
 
-    __slots__ = ("subscriber_revision", "until")
+    __slots__ = ("messages", "subscriber_revision", "until")
 
     def __init__(self) -> None:
         self.expire()
@@ -47,6 +52,7 @@ class StepPlan:
     def expire(self) -> None:
         """Drops the plan: plugins, or their timers, have changed."""
         self.until = 0
+        self.messages: Optional[StepMessages] = None
         self.subscriber_revision: object = _EXPIRED
 
 
@@ -89,18 +95,21 @@ class Schedule:
     """The plugins that have step hooks, each in one of the states above.
 
     Args:
-        has_work: calls `Plugin.has_work` of a plugin. It may add and remove plugins here.
+        work_of: calls `has_work` and `step_messages` of a plugin. It may add and remove plugins
+            here.
         has_contact_hooks: returns whether a plugin has a hook that any step may call.
 
     Attributes:
         plan: must be made to expire when plugins with other hooks are started or stopped.
+        messages: what the core writes in each step, in the order of the plugins; None: nothing.
     """
 
     def __init__(
-        self, has_work: Callable[[Plugin], bool], has_contact_hooks: Callable[[], bool]
+        self, work_of: Callable[[Plugin], Work], has_contact_hooks: Callable[[], bool]
     ) -> None:
         self.plan = StepPlan()
-        self._has_work = has_work
+        self.messages: Optional[StepMessages] = None
+        self._work_of = work_of
         self._has_contact_hooks = has_contact_hooks
         self._plugins: Dict[Plugin, ScheduledPlugin] = {}  # in the order of their calls
         self._count = 0
@@ -133,6 +142,7 @@ class Schedule:
                 plugin.timer_observer = None
         # Found again in the next step; until then, they would keep plugins alive.
         self._steady, self._timed, self._next_due = NO_CALLS, [], math.inf
+        self.messages = None
         self.plan.expire()
 
     def calls(self, timekeeper: Timekeeper, subscriber_revision: object) -> StepCalls:
@@ -160,7 +170,7 @@ class Schedule:
         """
         if subscriber_revision != self.plan.subscriber_revision:
             self._ask_all(timekeeper, subscriber_revision)
-        if self._steady.plugins or self.plan.subscriber_revision is _EXPIRED:
+        if self._steady.plugins or self.messages or self.plan.subscriber_revision is _EXPIRED:
             return 0
         if math.isinf(self._next_due):
             return limit
@@ -178,6 +188,7 @@ class Schedule:
         if self._may_plan and self.plan.subscriber_revision is not _EXPIRED:
             due = self._next_due
             self.plan.until = math.ceil(due) if due < _FOREVER else _FOREVER
+            self.plan.messages = self.messages
 
     def _ask_all(self, timekeeper: Timekeeper, subscriber_revision: object) -> None:
         """Finds the state of each plugin at the start of a step, and makes a plan.
@@ -190,16 +201,20 @@ class Schedule:
         self.plan.subscriber_revision = subscriber_revision  # expires if plugins change meanwhile
         steady: List[ScheduledPlugin] = []
         timed: List[Tuple[float, int, ScheduledPlugin]] = []
+        messages: List[Tuple[int, StepMessage]] = []
         try:
             for each in list(self._plugins.values()):
-                each.is_idle = each.is_removed or not self._has_work(each.plugin)
+                work = not each.is_removed and self._work_of(each.plugin)
+                each.is_idle = work is False
                 timer = each.plugin.update_timer
                 timer = each.timer = timer if timer is not None and timer.period > 0 else None
                 if each.is_idle:
                     if timer is not None and timer.due < 0:
                         timer.check_update_at(now)  # a rate counts from the first step
-                elif timer is None:
+                elif timer is None and isinstance(work, bool):
                     steady.append(each)
+                elif timer is None:
+                    messages += [(each.order, message) for message in work]
                 else:
                     timed.append((timer.due, each.order, each))
         except BaseException:
@@ -209,6 +224,7 @@ class Schedule:
         self._steady, self._timed = StepCalls(steady), timed
         self._next_due = timed[0][0] if timed else math.inf
         self._may_plan = not steady and not self._has_contact_hooks()
+        self.messages = _in_order(messages)
         self.renew_plan()
 
     def _pop_due(self, now: int) -> List[ScheduledPlugin]:
@@ -224,3 +240,13 @@ class Schedule:
             heappush(self._timed, (each.timer.due, each.order, each))
         self._next_due = self._timed[0][0]
         return due
+
+
+def _in_order(messages: Sequence[Tuple[int, StepMessage]]) -> Optional[StepMessages]:
+    """Messages of plugins, each with the plugin's order."""
+    if not messages:
+        return None
+    in_order = StepMessages()
+    for order, message in messages:
+        in_order.add(order, message)
+    return in_order

@@ -15,12 +15,15 @@ from typing import Counter as CounterType
 import rospy
 from tf2_msgs.msg import TFMessage
 
+from flatland_server._core import BodyMessage, StepMessage
 from flatland_server.geometry import Transform
 from flatland_server.ros.rospy_patches import RospyCalls
 from flatland_server.transport.arrivals import Arrival
 from flatland_server.transport.message_writer import MessageWriter
 from flatland_server.transport.node import Frames, Publisher, Subscription, Transport
 from flatland_server.transport.serialized_transforms import SerializedFrames, TransformQueue
+from flatland_server.transport.static_transforms import TOPIC as TF_STATIC
+from flatland_server.transport.static_transforms import StaticTransforms
 from flatland_server.transport.thread_calls import ThreadCalls
 
 logger = logging.getLogger(__name__)
@@ -63,6 +66,10 @@ class RosTransport(ThreadCalls, Transport):
         self._tf = rospy.Publisher(
             "/tf", TFMessage, self._subscriber_counter, queue_size=100, tcp_nodelay=True
         )
+        self._static_transforms = StaticTransforms(
+            lambda: rospy.Publisher(TF_STATIC, TFMessage, latch=True, queue_size=10),
+            lambda: None,  # `release` publishes them: a world that is reset is one change
+        )
 
     @property
     def node_name(self) -> str:
@@ -75,6 +82,8 @@ class RosTransport(ThreadCalls, Transport):
         self, topic: str, message_type: Any, *, latch: bool, queue_size: int
     ) -> Publisher:
         name = rospy.resolve_name(topic)
+        if name == rospy.resolve_name(TF_STATIC):
+            return self._static_transforms.advertise()
         # Publishers of a topic share what rospy has of it, and each would add the counter once
         # more: after a thousand resets, a subscriber would be counted a thousand times.
         counter = self._subscriber_counter if name not in self.publisher_counts else None
@@ -153,16 +162,17 @@ class RosTransport(ThreadCalls, Transport):
             if not self._outbox.is_open:
                 self.before_sending()
             self.rospy_calls.send_bytes(self._tf, message)
-        if self._outbox.is_open:
-            self._outbox.is_open = False
-            if self._outbox.is_due:
-                self.release()
+        if self._outbox.is_due:
+            self.release()
+        self._outbox.is_open = False
 
     def hold(self) -> None:
         self._outbox.open()
 
     def release(self) -> None:
         self._outbox.is_open = False
+        if self._static_transforms.is_changed:
+            self._static_transforms.publish()
         self.before_sending()
         self._outbox.send()
 
@@ -212,6 +222,9 @@ class _RosPublisher(Publisher):
             if not self._outbox.is_open:
                 self._transport.before_sending()
             self._send_bytes(self._publisher, writer.data(*values))
+
+    def step_message(self, message: BodyMessage) -> Optional[StepMessage]:
+        return self._outbox.step_message(self._publisher, message)
 
     def close(self) -> None:
         self._publisher.unregister()

@@ -31,7 +31,7 @@ from flatland_server.serving.model_services import ModelServices
 from flatland_server.serving.state_publisher import StatePublisher
 from flatland_server.serving.state_services import StateServices
 from flatland_server.serving.world_saving import WorldSaving
-from flatland_server.simulation.history import SHARE_OF_VIEWERS, History
+from flatland_server.simulation.history import SHARE_OF_VIEWERS
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.slow_plugin_watch import SlowPluginWatch
 from flatland_server.simulation.thread_priority import ThreadPriority
@@ -86,7 +86,8 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
         raise FlatlandError(f"~step_size: {error}") from None
     shutdown = Shutdown()
     transport = RosTransport(
-        rospy_patches.install(config.rospy_patches), {"~no_return": config.no_return}
+        rospy_patches.install(config.rospy_patches),
+        {"~no_return": config.no_return, "~static_tf": config.static_tf},
     )
     shutdown.transport = transport
     LoadingPublisher()
@@ -140,7 +141,7 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
         manager.on_tick.append(handles.update)
     if config.history:
         try:
-            History(manager, share=SHARE_OF_VIEWERS)
+            manager.keep_history(share=SHARE_OF_VIEWERS)
         except StateError as error:
             rospy.logwarn("there is no history, so /seek will fail: %s", error)
     manager.on_tick.append(Diagnostics(manager).update)
@@ -149,7 +150,7 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
         manager.on_tick.append(ThreadPriority().update)
     manager.on_tick.append(SlowPluginWatch().update)
     if config.map_to_odom:
-        manager.on_tick.append(MapToOdom(manager.world).update)
+        manager.on_tick.append(MapToOdom(transport, lambda: manager.world.odometry_frames).update)
     files = ClientFiles(manager.world, config.state_folder)
     host = RosServiceHost(transport)
     ModelServices(manager.world, host, files, edits)

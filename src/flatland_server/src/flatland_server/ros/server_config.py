@@ -24,6 +24,7 @@ class ServerConfig(NamedTuple):
     seed: int
     simplify_map: int
     no_return: str
+    static_tf: bool
     realtime_priority: bool
     rospy_patches: bool
     map_to_odom: bool
@@ -67,6 +68,7 @@ class ServerConfig(NamedTuple):
             seed=seed,
             simplify_map=simplify_map,
             no_return=no_return,
+            static_tf=_flag("~static_tf", False),
             realtime_priority=_flag("~realtime_priority", True),
             rospy_patches=_flag("~rospy_patches", True),
             map_to_odom=_flag("~map_to_odom", False),

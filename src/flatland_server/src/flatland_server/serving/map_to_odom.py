@@ -1,48 +1,59 @@
 """Stands in for a localiser: publishes identity from the map to each odometry frame."""
 
-from typing import Any, Set
+from typing import Any, Callable, Collection, Set
 
 from flatland_server.messages.message_types import get
 from flatland_server.real_time_timer import RealTimeTimer
-from flatland_server.simulation.world import World
+from flatland_server.transport.static_transforms import TOPIC, TFMessage
+from flatland_server.transport.transport import Transport
 
-TFMessage = get("tf2_msgs/TFMessage")
 TransformStamped = get("geometry_msgs/TransformStamped")
 
 FRAME_ID = "map"
 """The frame of the world."""
 
 _PERIOD = 0.1  # s of real time
-_ALWAYS = "odom"
 
 
 class MapToOdom:
-    """Publishes identity from `map` to `odom`, and to the odometry frames of all robots.
+    """Publishes identity from `map` to the odometry frames of all robots.
 
     Args:
-        world: the world, in which robots come and go.
+        transport: publishes it.
+        odometry_frames: returns the present frames of odometry: robots come and go.
+        always: frames that need no robot.
     """
 
-    def __init__(self, world: World) -> None:
-        self._world = world
+    def __init__(
+        self,
+        transport: Transport,
+        odometry_frames: Callable[[], Collection[str]],
+        always: Collection[str] = ("odom",),
+    ) -> None:
+        self._odometry_frames = odometry_frames
         self._timer = RealTimeTimer(_PERIOD)
-        self._publisher = world.transport.advertise(
-            "/tf_static", TFMessage, latch=True, queue_size=10
-        )
-        self._published: Set[str] = set()
-        self._publish()
+        self._publisher = transport.advertise(TOPIC, TFMessage, latch=True, queue_size=10)
+        self._published: Set[str] = {FRAME_ID}
+        self._publish({*always, *odometry_frames()})
 
     def update(self) -> None:
         """Publishes if there is a new frame; to be called often."""
         if self._timer.check_update():
-            self._publish()
+            self.publish_new()
 
-    def _publish(self) -> None:
-        # All of them each time: a later subscriber gets the last message only.
-        frames = (self._published | self._world.odometry_frames | {_ALWAYS}) - {FRAME_ID}
-        if frames != self._published:
-            self._published = frames
-            self._publisher.publish(TFMessage([_identity(frame) for frame in sorted(frames)]))
+    def publish_new(self) -> None:
+        """Publishes if there is a new frame."""
+        self._publish(self._odometry_frames())
+
+    def _publish(self, frames: Collection[str]) -> None:
+        new = set(frames) - self._published
+        if new:
+            self._published |= new
+            self._publisher.publish(TFMessage([_identity(frame) for frame in sorted(new)]))
+
+    def close(self) -> None:
+        """Ends the publishing."""
+        self._publisher.close()
 
 
 def _identity(frame: str) -> Any:

@@ -10,14 +10,12 @@ import time
 import zlib
 from dataclasses import dataclass, field
 from functools import wraps
-from typing import TYPE_CHECKING, Any, Callable, List, Optional, Tuple
+from typing import Any, Callable, List, Optional, Tuple
 
 from flatland_server.arguments import shown
 from flatland_server.exceptions import StateError, UsageError
 from flatland_server.simulation.replay import Command, Input, Message, Replay
-
-if TYPE_CHECKING:
-    from flatland_server.simulation.run import Run
+from flatland_server.simulation.run import Run
 
 SHARE_OF_VIEWERS = 0.05
 """The largest part of the real time that a server or viewer spends on keeping states."""
@@ -61,13 +59,16 @@ class History:
         share: the largest part of the real time that may be spent on keeping states; if they take
             more, fewer are kept.
 
+    Attributes:
+        is_open: False once it is closed.
+
     Raises:
         UsageError: an argument is not above zero.
         StateError: the state of the run cannot be saved.
     """
 
     def __init__(
-        self, run: "Run", interval: float = 1.0, memory: int = 64_000_000, share: float = 1.0
+        self, run: Run, interval: float = 1.0, memory: int = 64_000_000, share: float = 1.0
     ) -> None:
         for value, what in ((interval, "an interval"), (memory, "a memory"), (share, "a share")):
             if not (isinstance(value, (int, float)) and value > 0):
@@ -89,9 +90,7 @@ class History:
         self.restart()
         if self._problem is not None:
             raise self._problem
-        if run.history is not None:
-            run.history.close()
-        run.history = self
+        self.is_open = True
         run.after_step.append(self._follow)
         run.after_jump.append(self._on_jump)
         run.transport.on_message = self._note_message
@@ -130,7 +129,7 @@ class History:
         return self._sought is not None
 
     def seek(self, time: float) -> None:
-        """Puts the run into its state at a time; see `Run.seek`.
+        """Puts the run into its state at a time; see `RunWithHistory.seek`.
 
         Args:
             time: within `begin` and `end` [s].
@@ -179,12 +178,13 @@ class History:
 
     def close(self) -> None:
         """Forgets all states; the run goes on without a history."""
-        run = self._run
-        if run.history is self:
-            run.history = None
+        if self.is_open:
+            self.is_open = False
+            run = self._run
             run.after_step.remove(self._follow)
             run.after_jump.remove(self._on_jump)
-            run.transport.on_message = None
+            if run.transport.on_message == self._note_message:  # not that of a later history
+                run.transport.on_message = None
             run.world.plugin_revision.change()
         self._forget()
 

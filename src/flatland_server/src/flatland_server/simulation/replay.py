@@ -1,13 +1,11 @@
 """Repeats a part of a run, in a world of its own."""
 
-from typing import TYPE_CHECKING, Any, List, NamedTuple, Tuple, Union
+from typing import Any, List, NamedTuple, Tuple, Union
 
+from flatland_server.simulation.run import Run
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
-
-if TYPE_CHECKING:
-    from flatland_server.simulation.run import Run
-    from flatland_server.transport.transport import Transport
+from flatland_server.transport.transport import Transport
 
 
 class Command(NamedTuple):
@@ -36,9 +34,7 @@ class Replay:
         run: has the world.
     """
 
-    def __init__(self, run: "Run") -> None:
-        from flatland_server.simulation.run import Run  # which imports this module
-
+    def __init__(self, run: Run) -> None:
         self._transport = _Transport(run.transport)
         self._run = Run(run.world.twin(self._transport), Timekeeper(run.step_size))
 
@@ -80,7 +76,7 @@ class Replay:
 class _Transport(LocalTransport):
     """Has the names and parameters of another transport, and no subscribers but plugins."""
 
-    def __init__(self, original: "Transport") -> None:
+    def __init__(self, original: Transport) -> None:
         super().__init__({}, ())
         self._original = original
         self._is_delivering = original.delivers_own

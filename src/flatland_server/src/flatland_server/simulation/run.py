@@ -6,7 +6,6 @@ from flatland_server.arguments import whole_number
 from flatland_server.exceptions import FlatlandError, PluginError, UsageError
 from flatland_server.plugins.plugin_manager import PluginFailure
 from flatland_server.simulation import saved_states
-from flatland_server.simulation.history import History
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.simulation.world_state import WorldState
@@ -35,7 +34,6 @@ class Run:
         timekeeper: counts the simulated time.
         transport: the topics and transforms of the world.
         after_step: called after each step.
-        history: the states that are kept for `seek`, if any.
         after_jump: called after a reset, a reload or the loading of a state: the world's contents
             are new objects, and time may have jumped.
     """
@@ -51,7 +49,6 @@ class Run:
         self._settled: float = -1  # the transport's activity before the last step, if known
         self._failures: List[Tuple[PluginFailure, BaseException]] = []
         self._is_closed = False
-        self.history: Optional[History] = None
         if raise_failures:
             world.contents.plugins.on_failure = self._note_failure
 
@@ -158,6 +155,11 @@ class Run:
         last = timekeeper.nanoseconds + (count - 1) * step
         if last >= contents.plan.until or count > _MAX_STEPS_PER_CALL:
             return False
+        messages = contents.plan.messages
+        if messages is not None:
+            if count > 1:
+                return False
+            messages.write(last)
         contents.physics.step_until_contact(timekeeper.step_size, count)
         timekeeper.nanoseconds = last + step
         return True
@@ -279,34 +281,6 @@ class Run:
         world.rebuild(world.config, loaded.seed, lambda: saved_states.restore(loaded, world))
         return self._jump_to(loaded.nanoseconds)
 
-    def keep_history(self, interval: float = 1.0, memory: int = 64_000_000) -> History:
-        """Begins to keep states of the run as it goes, for `seek`; replaces a former history.
-
-        Args:
-            interval: as for `History`.
-            memory: as for `History`.
-        """
-        self.require_open()
-        return History(self, interval, memory)
-
-    def seek(self: R, time: float) -> R:
-        """Puts the run into its state at another time, bit for bit, and returns this run.
-
-        Once it goes on from there, what came later is forgotten. See `load_state`.
-
-        Args:
-            time: since `keep_history` was called [s]; the nearest step.
-
-        Raises:
-            FlatlandError: the history does not have this time, or a step is being made.
-        """
-        self.require_open()
-        self.world.require_between_steps("seek")
-        if self.history is None:
-            raise UsageError("expected keep_history() before the steps to which seek goes back")
-        self.history.seek(time)
-        return self
-
     def _jump_to(self: R, nanoseconds: int) -> R:
         """Sets the time after the world was rebuilt."""
         self.timekeeper.jump_to(nanoseconds)
@@ -339,8 +313,6 @@ class Run:
         """Stops all plugins. Later calls raise a UsageError; poses may still be read."""
         if not self._is_closed:
             self._is_closed = True
-            if self.history is not None:
-                self.history.close()
             self.world.close()
 
     def __enter__(self: R) -> R:

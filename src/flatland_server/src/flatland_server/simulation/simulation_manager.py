@@ -8,7 +8,7 @@ from typing import Callable, List, Optional, Sequence
 from flatland_server.exceptions import FlatlandError
 from flatland_server.simulation.command_wait import CommandWait
 from flatland_server.simulation.pacer import Pacer
-from flatland_server.simulation.run import Run
+from flatland_server.simulation.run_with_history import RunWithHistory
 from flatland_server.simulation.step_request import StepRequest
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
@@ -17,7 +17,7 @@ _COMMAND_WAIT = 0.001
 """Real time between two looks for a command that is waited for [s]."""
 
 
-class SimulationManager(Run):
+class SimulationManager(RunWithHistory):
     """Steps a world at a rate of real time, and runs the callbacks of subscriptions in between.
 
     Args:

@@ -16,6 +16,8 @@ from typing import Counter as CounterType
 
 from flatland_server.geometry import Transform
 from flatland_server.transport.message_writer import MessageWriter
+from flatland_server.transport.static_transforms import TOPIC as TF_STATIC
+from flatland_server.transport.static_transforms import StaticTransforms
 from flatland_server.transport.tap import Tap
 from flatland_server.transport.transport import Publisher, Subscription, Transport
 
@@ -30,6 +32,7 @@ class LocalTransport(Transport):
 
     Attributes:
         transforms: by the name of the child frame.
+        static_transforms: those of /tf_static.
         params_read: the parameters that were asked for, by absolute name.
     """
 
@@ -52,6 +55,9 @@ class LocalTransport(Transport):
         self._published: List[Tuple[str, Callable[[Any], None], Any]] = []  # to be delivered
         self._is_delivering = True
         self._taps: Tuple[Tap, ...] = ()
+        self.static_transforms = StaticTransforms(
+            lambda: _LocalPublisher(self, TF_STATIC, True), lambda: self.static_transforms.publish()
+        )
 
     def send(self, topic: str, message: Any) -> None:
         """Sends a message to the subscribers of a topic; `process` runs their callbacks.
@@ -100,6 +106,8 @@ class LocalTransport(Transport):
     def advertise(
         self, topic: str, message_type: Any, *, latch: bool, queue_size: int
     ) -> Publisher:
+        if topic == TF_STATIC:
+            return self.static_transforms.advertise()
         return _LocalPublisher(self, absolute_name(topic), latch)
 
     def subscribe(

@@ -4,7 +4,7 @@ import math
 import struct
 from typing import Dict, Iterable, List, Optional, Sequence, Tuple
 
-from flatland_server._core import BodyMessage, RelativePoses
+from flatland_server._core import BodyMessage, RelativePoses, StepMessage, TransformList
 from flatland_server.geometry import Transform, quaternion
 from flatland_server.transport.node import Frames
 
@@ -17,34 +17,22 @@ class TransformQueue:
 
     def __init__(self) -> None:
         self._names: Dict[Tuple[str, str], bytes] = {}
-        self._parts: List[bytes] = []
-        self._count = 0
+        self.list = TransformList()
+        """The transforms; the core adds to it, too."""
+        self.take = self.list.take
+        """Returns and forgets the collected transforms as a message; empty if there are none."""
 
     def add(self, transform: Transform) -> None:
         """Appends a transform."""
         seconds, nanoseconds = divmod(transform.nanoseconds, 1_000_000_000)
         pose = transform.pose
         rotation = quaternion(pose.yaw, transform.roll)
-        self.add_bytes(
+        self.list.add(
             1,
             _HEADER.pack(0, seconds, nanoseconds)
             + self.names_of(transform.parent, transform.child)
             + _POSE.pack(pose.x, pose.y, 0.0, *rotation),
         )
-
-    def add_bytes(self, count: int, data: bytes) -> None:
-        """Appends `count` transforms that are serialized already."""
-        self._parts.append(data)
-        self._count += count
-
-    def take(self) -> bytes:
-        """Returns and forgets the collected transforms as a message; empty if there are none."""
-        if not self._parts:
-            return b""
-        message = struct.pack("<I", self._count) + b"".join(self._parts)
-        self._parts.clear()
-        self._count = 0
-        return message
 
     def names_of(self, parent: str, child: str) -> bytes:
         """The serialized names of two frames, which follow the stamp in a transform."""
@@ -77,12 +65,8 @@ class SerializedFrames(Frames):
         self._message: Optional[BodyMessage] = None  # with these poses
 
     def send(self, nanoseconds: int, poses: Iterable[Tuple[float, float, float]]) -> None:
-        if poses is not self._poses and isinstance(poses, RelativePoses):
-            fields = [(stamp, pose, None) for stamp, pose in self._offsets]
-            self._message = BodyMessage(bytes(self._data), poses, fields)
-            self._poses = poses
-        if poses is self._poses and self._message is not None:
-            self._queue.add_bytes(len(self._offsets), self._message.data(0, nanoseconds))
+        if isinstance(poses, RelativePoses):
+            self._queue.list.add(len(self._offsets), self._message_of(poses).data(nanoseconds))
             return
         seconds, rest = divmod(nanoseconds, 1_000_000_000)
         data = self._data
@@ -90,4 +74,14 @@ class SerializedFrames(Frames):
             half = yaw / 2
             _HEADER.pack_into(data, stamp, 0, seconds, rest)
             _POSE.pack_into(data, pose, x, y, 0.0, 0.0, 0.0, math.sin(half), math.cos(half))
-        self._queue.add_bytes(len(self._offsets), bytes(data))
+        self._queue.list.add(len(self._offsets), bytes(data))
+
+    def step_message(self, poses: RelativePoses) -> StepMessage:
+        return StepMessage(self._message_of(poses), self._queue.list)
+
+    def _message_of(self, poses: RelativePoses) -> BodyMessage:
+        if self._message is None or poses is not self._poses:
+            fields = [(stamp, pose, None) for stamp, pose in self._offsets]
+            self._message = BodyMessage(bytes(self._data), poses, fields, is_numbered=False)
+            self._poses = poses
+        return self._message

@@ -9,6 +9,7 @@ import math
 from abc import ABC, abstractmethod
 from typing import Any, Callable, Iterable, Optional, Sequence, Tuple
 
+from flatland_server._core import BodyMessage, RelativePoses, StepMessage
 from flatland_server.geometry import Pose, Transform
 from flatland_server.transport.arrivals import Arrivals
 from flatland_server.transport.message_writer import MessageWriter
@@ -40,6 +41,17 @@ class Publisher(ABC):
             values: passed to the writer.
         """
         self.publish(writer.message(*values))
+
+    def step_message(self, message: BodyMessage) -> Optional[StepMessage]:
+        """A message that the core writes to the present subscribers at each step.
+
+        Args:
+            message: the message.
+
+        Returns:
+            None if the transport cannot do this: `write` has to be called.
+        """
+        return None
 
     @abstractmethod
     def close(self) -> None:
@@ -76,6 +88,17 @@ class Frames:
         """
         for (parent, child), pose in zip(self._names, poses):
             self._transport.send_transform(Transform(nanoseconds, parent, child, Pose(*pose)))
+
+    def step_message(self, poses: RelativePoses) -> Optional[StepMessage]:
+        """The transforms as a message that the core writes at each step.
+
+        Args:
+            poses: of each frame in its parent.
+
+        Returns:
+            None if the transport cannot do this: `send` has to be called.
+        """
+        return None
 
 
 class Transport(ABC):

@@ -9,6 +9,8 @@ from typing import Any, Callable, ContextManager, Optional, Type
 import rospy
 from interactive_markers.interactive_marker_server import InteractiveMarkerServer
 
+from flatland_server._core import BodyMessage, StepMessage
+
 LENGTH = struct.Struct("<I")
 """Precedes each message on a TCPROS connection: the message's size [bytes]."""
 
@@ -75,11 +77,20 @@ class Outbox:
 
     @property
     def is_due(self) -> bool:
-        """True if messages have waited long enough, or there are many."""
+        """True if messages have waited long enough, there are many, or the outbox is closed."""
         return False
 
     def send(self) -> None:
         """Sends the messages that wait."""
+
+    def step_message(
+        self, publisher: rospy.Publisher, message: BodyMessage
+    ) -> Optional[StepMessage]:
+        """A message that the core writes to the present subscribers of a topic at each step.
+
+        None: it cannot.
+        """
+        return None
 
 
 def send_framed(publisher: rospy.Publisher, framed: bytes) -> None:

@@ -1,0 +1,68 @@
+"""Results of the services of simulation_interfaces."""
+
+from typing import Any, Dict, Mapping, Optional
+
+from flatland_bridge import simulation_types
+from flatland_server.exceptions import FlatlandError
+from flatland_server.messages.service_types import get as get_service
+from flatland_server.serving.client_files import told
+from flatland_server.serving.service_host import Action
+
+Result = simulation_types.message("Result")
+
+
+class Failure(FlatlandError):
+    """A result other than RESULT_OK.
+
+    Args:
+        code: of the result.
+        text: for the client.
+    """
+
+    def __init__(self, code: int, text: str) -> None:
+        super().__init__(text)
+        self.code = code
+
+
+def with_result(action: Action) -> Action:
+    """An action whose response has a result, also when it fails.
+
+    Args:
+        action: may raise a Failure, or what fails without a code of its own.
+    """
+
+    def answer(request: Any) -> Optional[Dict[str, Any]]:
+        try:
+            fields = action(request) or {}
+        except Failure as failure:
+            return {"result": Result(failure.code, str(failure))}
+        except (FlatlandError, ValueError) as error:
+            return {"result": Result(Result.RESULT_OPERATION_FAILED, told(error))}
+        return {"result": Result(Result.RESULT_OK, ""), **fields}
+
+    return answer
+
+
+class Calls:
+    """Calls services of Flatland's own.
+
+    Args:
+        actions: what they do, by their absolute names.
+    """
+
+    def __init__(self, actions: Mapping[str, Action]) -> None:
+        self._actions = actions
+
+    def __call__(self, service: str, kind: str, /, **fields: Any) -> None:
+        """Calls a service.
+
+        Raises:
+            FlatlandError: it fails.
+            ValueError: it fails.
+        """
+        self._actions[service](get_service(f"flatland_msgs/{kind}").request(**fields))
+
+
+def path_of(uri: str) -> str:
+    """The path of a file, which clients may write as a URI."""
+    return uri[len("file://") :] if uri.startswith("file://") else uri

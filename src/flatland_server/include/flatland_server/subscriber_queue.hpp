@@ -1,0 +1,94 @@
+#pragma once
+
+/// Messages on their way to the sockets of subscribers.
+///
+/// Need: a hundred robots publish thousands of messages in a second of simulated time, and ten times
+/// as many when it passes ten times as fast. A call of the system takes as long as several steps of
+/// a small world, and a subscriber that does not keep up must not delay the simulation.
+///
+/// Method: each subscriber to a topic has a queue. A message is only added; `Outbox::Send` sends all
+/// queues that have some, each in one call of the system, as far as its socket takes them without
+/// waiting. What a socket does not take stays, at most `limit` messages: the oldest are dropped. One
+/// thread for all queues waits until such sockets have room, and sends the rest. None of this needs
+/// Python's lock.
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace flatland {
+
+class SubscriberQueue : public std::enable_shared_from_this<SubscriberQueue> {
+ public:
+  /// @param socket  descriptor; the queue has its own, of the same connection
+  /// @param limit  messages that wait while the socket is full; 0 is any number
+  /// Throws std::system_error if there is no such descriptor, or there are too many.
+  SubscriberQueue(int socket, std::size_t limit);
+  ~SubscriberQueue() { Close(); }
+  SubscriberQueue(const SubscriberQueue&) = delete;
+  SubscriberQueue& operator=(const SubscriberQueue&) = delete;
+
+  /// Adds a message as it is sent, with its length before it. Returns how many were added since the
+  /// last `Send`; 0 if the connection has failed.
+  std::size_t Add(std::string framed);
+  /// Sends what the socket takes. Returns false if the connection has failed.
+  bool Send();
+  /// Forgets the messages; the connection counts as failed. Its owner closes it.
+  void Close();
+
+  struct Status {
+    uint64_t bytes = 0;     // sent
+    uint64_t messages = 0;  // sent as a whole
+    int error = 0;          // the errno with which sending has failed, or 0
+  };
+  Status status() const;
+
+ private:
+  friend class RoomWatcher;
+
+  void SendMessages();  // these need the lock
+  void DropOldest();
+  void Fail(int error);
+
+  mutable std::mutex mutex_;
+  int socket_;
+  std::size_t limit_;
+  std::deque<std::string> messages_;  // not sent yet
+  std::size_t sent_ = 0;              // bytes of the first one that are sent
+  bool waits_for_room_ = false;       // the thread will send
+  std::size_t held_ = 0;              // messages since the last `Send`
+  Status status_;
+};
+
+/// The queues with messages that wait, in the order of their first ones.
+class Outbox {
+ public:
+  using Seconds = std::chrono::duration<double>;
+
+  /// @param period  real time that a message is to wait at most
+  /// @param most  messages of a queue that are to wait at most
+  Outbox(Seconds period, std::size_t most) : period_(period), most_(most) {}
+
+  /// Adds a message to a queue, to be sent later. Returns false if its connection has failed.
+  bool Add(const std::shared_ptr<SubscriberQueue>& queue, std::string framed);
+  bool is_empty() const;
+  /// True if a message has waited for `period`, or a queue has `most` of them.
+  bool IsDue() const;
+  /// Sends what waits. Returns false if a connection has failed.
+  bool Send();
+
+ private:
+  mutable std::mutex mutex_;
+  Seconds period_;
+  std::size_t most_;
+  std::vector<std::shared_ptr<SubscriberQueue>> queues_;
+  std::chrono::steady_clock::time_point since_;  // the first message
+  bool is_full_ = false;
+};
+
+}  // namespace flatland
