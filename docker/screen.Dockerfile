@@ -9,7 +9,11 @@ USER 0
 # hadolint ignore=DL3008
 RUN apt-get update \
   && DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends novnc websockify x11vnc \
+  && sed --in-place 's|<applications>|&<application title="Flatland*" type="normal"><maximized>yes</maximized></application>|' \
+    /etc/xdg/openbox/rc.xml \
   && rm -rf /var/lib/apt/lists/*
+
+COPY docker/screen.html /usr/share/novnc/index.html
 
 USER 1000
 EXPOSE 6080
