@@ -8,6 +8,7 @@ import signal
 import time
 import xmlrpc.client
 
+import numpy as np
 import pytest
 from room_window import ROBOT, WORLD, WORLDS, RoomWindow
 from screen_pictures import near
@@ -73,6 +74,10 @@ def test_single_steps_and_several(paused):
 def test_the_timeline_goes_back_and_the_run_goes_on_from_there(window):
     window.ros.call("/reset", restart_time=True, new_seed=False, seed=0)
     window.waiting(lambda: window.ros.state()["stamp"] > 3.0, "three seconds")
+    window.ros.call("/pause")
+    window.waiting(lambda: window.says("paused"), "the window to know of them")
+    window.ros.call("/resume")
+    window.waiting(lambda: not window.says("paused"), "the run to go on")
     left, _, right, bottom = window.screen.inside(window.id)
     row = bottom - window.screen.px(27 + 14)  # above the status line
 
@@ -227,43 +232,46 @@ def test_edits_are_marked_undone_redone_and_saved(window):
     window.wait_for_models("turtlebot")
 
 
+def lowest_text(window):
+    """The lowest text in the panel of models, which is that of a topic."""
+    _, top, right, bottom = window.screen.inside(window.id)
+    bottom -= window.screen.px(60)  # the status line, and the timeline
+    columns = slice(right - window.screen.px(240), right - window.screen.px(60))
+    area = window.screen.picture("window_topics")[top:bottom, columns].astype(int)
+    is_text = abs(area - np.median(area, axis=(0, 1))).max(axis=2) > 100
+    return columns.start + window.screen.px(20), top + np.nonzero(is_text.any(axis=1))[0].max() - 3
+
+
 def test_the_way_of_a_robot_is_drawn_and_its_topics_are_plotted(window):
     window.ros.call("/reset", restart_time=True)
     window.screen.focus(window.id)
     window.screen.click(window.map.pixel(0.0, 0.0))
 
-    def line(color):
+    def line():
         pixels = window.screen.picture("window_trail")
-        return near(pixels[window.screen.view(pixels)], color, 20).sum()
+        view = pixels[window.screen.view(pixels)]
+        return sum(near(view, color, 20).sum() for color in ((0, 115, 178), (230, 158, 0)))
 
-    before = line((0, 115, 178))
+    before = line()
     window.key("t")
     driver = window.ros.start(
         "rostopic", "pub", "-r", "10", "/cmd_vel", "geometry_msgs/Twist", "{linear: {x: 0.3}}"
     )
-    window.waiting(lambda: line((0, 115, 178)) + line((230, 158, 0)) > before + 100, "the way")
-    _, top, right, bottom = window.screen.inside(window.id)
-    rows = iter(range(bottom - window.screen.px(60), top, -window.screen.px(15)))
+    try:
+        window.waiting(lambda: line() > before + 100, "the way")
+        window.screen.move(lowest_text(window))
+        window.screen.xdotool("click", "--repeat", 2, "--delay", 50, 1)
+        plot = window.screen.wait_for_window("Plot: .*")
 
-    def opens_plot():
-        if not window.screen.windows("Plot: .*"):
-            place = (right - window.screen.px(180), next(rows))
-            window.screen.move(place)
-            window.screen.xdotool("click", "--repeat", 2, "--delay", 50, 1)
-            time.sleep(1.0)  # it takes a second to open, and one is enough
-        return window.screen.windows("Plot: .*")
+        def curve():
+            return near(window.screen.picture_of(plot, "window_plot"), (0, 114, 178), 30).sum()
 
-    plot = window.waiting(opens_plot, "a plot")[-1]
-
-    def curve():
-        return near(window.screen.picture_of(plot, "window_plot"), (0, 114, 178), 30).sum()
-
-    window.waiting(lambda: curve() > 200, "a curve")
-    for each in window.screen.windows("Plot: .*"):  # another click may have opened a second one
-        window.screen.xdotool("windowclose", each)
-    window.ros.end(driver)
+        window.waiting(lambda: curve() > 200, "a curve")
+        window.screen.xdotool("windowclose", plot)
+    finally:
+        window.ros.end(driver)
     window.key("t")
-    window.waiting(lambda: line((0, 115, 178)) <= before + 20, "no way")
+    window.waiting(lambda: line() <= before + 20, "no way")
 
 
 @pytest.fixture

@@ -1,7 +1,7 @@
 """Changes of the models in a world file's text; every other byte of it stays.
 
-YAML libraries that write what they have read, such as ruamel.yaml, indent lists anew, and join those
-of several lines. So the places are taken from PyYAML's marks, and only they are replaced.
+YAML libraries that write what they have read, such as ruamel.yaml, indent lists anew, and join
+those of several lines. So the places are taken from PyYAML's marks, and only they are replaced.
 """
 
 import json
