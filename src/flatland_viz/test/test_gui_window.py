@@ -84,7 +84,7 @@ def test_the_timeline_goes_back_and_the_run_goes_on_from_there(window):
     window.screen.click((left + (right - left) // 3, row))
     window.wait_for_state(paused=True)
     past = window.ros.state()
-    assert 0.3 < past["stamp"] < 0.7 * past["history_end"]
+    assert 0.3 < past["stamp"] < 0.7 * past["history_end"], past
     window.waiting(lambda: window.says("paused"), '"paused" in the status line')
     window.screen.picture("window_past")
     window.key("alt+End")

@@ -44,7 +44,8 @@ class WorldSaving(QObject):
 
     def show_edits(self, count: int) -> None:
         """Shows how many models differ from the world's file."""
-        self._window.setWindowModified(count > 0)
+        if (count > 0) != self._window.isWindowModified():  # else Qt would set the title again
+            self._window.setWindowModified(count > 0)
         self._menus.save.setEnabled(count > 0)
 
     def keep_changes(self, what: str, then: Callable[[], None]) -> bool:
