@@ -20,6 +20,7 @@ from cyclonedds.util import duration
 from waiting import wait_until
 
 from flatland_bridge.dds_types import DdsTypes
+from flatland_server.messages.message_types import get
 
 RELIABLE = Qos(Policy.Reliability.Reliable(0), Policy.History.KeepLast(10))
 BEST_EFFORT = Qos(Policy.Reliability.BestEffort, Policy.History.KeepLast(10))
@@ -53,9 +54,11 @@ class LaserScan(IdlStruct, typename="sensor_msgs::msg::dds_::LaserScan_"):
 
 
 _TYPES = DdsTypes("jazzy")
-Transforms, Twist, TwistStamped, String, Participant = map(
+_TYPES.message_class(get("flatland_msgs/ModelList"))  # which ROS 2 does not have
+ModelList, Transforms, Twist, TwistStamped, String, Participant = map(
     _TYPES.struct,
     (
+        "flatland_msgs/msg/ModelList",
         "tf2_msgs/msg/TFMessage",
         "geometry_msgs/msg/Twist",
         "geometry_msgs/msg/TwistStamped",

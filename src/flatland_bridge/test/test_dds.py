@@ -24,6 +24,7 @@ from dds_peer import (
     LATCHED,
     Header,
     LaserScan,
+    ModelList,
     Participant,
     Peer,
     String,
@@ -145,6 +146,43 @@ def test_a_late_subscriber_gets_the_last_latched_message(server, peer):
 
     assert [each.child_frame_id_ for each in next_of(second).transforms_] == frames
     assert "odom" in frames
+
+
+def test_a_subscriber_gets_the_present_message_after_others_have_gone(server, peer):
+    topic = "/flatland_server/models"
+    first = peer.reader(f"rt{topic}", ModelList, LATCHED)
+    assert [each.name_ for each in next_of(first).models_] == ["robot"]
+    del first
+    when_subscribed(server, topic, False)
+
+    kind = get_service("flatland_msgs/SpawnModel")
+    server.graph.call("/spawn_model", kind.request(yaml_path="robot.model.yaml", name="other"))
+    second = peer.reader(f"rt{topic}", ModelList, LATCHED)
+
+    assert [each.name_ for each in next_of(second).models_] == ["robot", "other"]
+
+
+def test_a_run_is_the_same_with_nodes(world, domain):
+    command = get("geometry_msgs/Twist")()
+    command.linear.x, command.angular.z = 0.5, 0.3
+
+    def poses(ros2):
+        with running(world, is_paused=True, ros2=ros2) as server:
+            server.graph.publish("/cmd_vel", command)
+            if ros2 is not None:
+                peer = Peer(domain)
+                reader = peer.reader("rt/scan", LaserScan, BEST_EFFORT)
+                transforms = peer.reader("rt/tf", Transforms)  # neither of them reads
+                when_subscribed(server, "/scan")
+                when_subscribed(server, "/tf")
+                assert reader != transforms
+            result = []
+            for _ in range(20):
+                step(server, 20)
+                result.append(server.manager.world.models["robot"].pose)
+            return result
+
+    assert poses("jazzy") == poses(None)
 
 
 def test_services_are_topics(server, peer):

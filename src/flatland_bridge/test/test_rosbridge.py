@@ -208,3 +208,12 @@ def test_roslibpy_lists_subscribes_publishes_and_calls(world):
             [sys.executable, "-c", ROSLIBPY, url], capture_output=True, text=True, timeout=120
         )
     assert result.stdout.strip() == "401", result.stderr
+
+
+def test_a_service_that_breaks_down_is_answered(server, client, monkeypatch):
+    monkeypatch.setitem(server.graph._host.actions, "/pause", lambda request: 1 / 0)
+
+    response = client.call("/pause")
+
+    assert not response["result"]
+    assert response["values"] == "/pause has failed: ZeroDivisionError('division by zero')"

@@ -71,6 +71,7 @@ def test_a_spawned_entity_has_its_name_and_state(call):
     assert spawn(call, "box", allow_renaming=True) == {"entity_name": "box_2"}
     assert spawn(call, "")["result"] == 102
     assert spawn(call, "other", w=2.0)["result"] == 109
+    assert spawn(call, "other", w=1e200)["result"] == 109
     assert call("spawn_entity", name="other")["result"] == 104
     assert call("get_entities", filters={"filter": "^b"})["entities"] == ["box", "box_2"]
 

@@ -257,6 +257,7 @@ def test_a_world_that_cannot_be_used_is_named(change, message):
         ({"goal_distance": (5, 1)}, "expected goal_distance to be two increasing lengths"),
         ({"goal_distance": ("a", 2)}, "expected goal_distance to be two increasing lengths"),
         ({"obstacles": -1}, "expected obstacles to be"),
+        ({"obstacles": 10**9}, "expected obstacles to be 0 to 10000"),
         ({"world": ()}, "expected world to be a world, or one at least"),
         ({"robot_scales": 1.2}, "expected robot_scales to be a sequence of numbers"),
         ({"scatter": "box_*"}, "expected scatter to be a sequence of patterns"),

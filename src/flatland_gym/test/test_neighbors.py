@@ -82,7 +82,7 @@ def test_a_dict_has_them_as_a_part():
         **{"ranges": (8,), "goal": (3,), "velocity": (2,), "neighbors": (3, 6)}
     }
     env.close()
-    with pytest.raises(UsageError, match="neighbors to be a whole number of 0 or more, found -1"):
+    with pytest.raises(UsageError, match="neighbors to be a whole number of 0 to 10000, found -1"):
         make(**{**CORRIDOR, "neighbors": -1})
 
 

@@ -28,7 +28,7 @@ def policy():
     """A policy trained for some seconds."""
     env = NavigationVectorEnv(64, autoreset_mode="SameStep", **SETTINGS)
     try:
-        return Ppo(env, seed=1).train(steps=200_000)
+        return Ppo(env, seed=1).train(steps=120_000)
     finally:
         env.close()
 

@@ -27,7 +27,7 @@ SLOW_MODEL = Path(__file__).resolve().parent / "worlds" / "slow_to_read.model.ya
 
 
 GUARD = """
-bodies: [{name: base, footprints: [{type: circle, radius: 0.1, density: 1}]}]
+bodies: [{name: base, footprints: [{type: circle, radius: 0.1, density: 1, layers: []}]}]
 plugins:
   - {type: Gps, name: gps, body: base, static_tf: true}
   - {type: Imu, name: imu, body: base, static_tf: true}

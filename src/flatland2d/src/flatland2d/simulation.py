@@ -9,6 +9,7 @@ from typing import (
     Iterable,
     List,
     Mapping,
+    NoReturn,
     Optional,
     Sequence,
     Tuple,
@@ -190,11 +191,15 @@ class Simulation(SimulatedTopics):
 
     # Branches
 
+    def __reduce__(self) -> NoReturn:
+        raise UsageError("a Simulation is neither copied nor pickled: see branch and save_state")
+
     def branch(
         self,
         count: int,
         *,
         robot: Optional[str] = None,
+        robots: Optional[Sequence[str]] = None,
         lidar: Optional[str] = None,
         threads: int = 1,
         moved: Sequence[str] = (),
@@ -211,6 +216,7 @@ class Simulation(SimulatedTopics):
         Args:
             count: number of environments.
             robot: as for `SimulationBatch`.
+            robots: as for `SimulationBatch`.
             lidar: as for `SimulationBatch`.
             threads: as for `SimulationBatch`.
             moved: as for `SimulationBatch`.
@@ -224,6 +230,7 @@ class Simulation(SimulatedTopics):
             self.world.config,
             count,
             robot=robot,
+            robots=robots,
             lidar=lidar,
             threads=threads,
             moved=moved,

@@ -141,13 +141,15 @@ class DdsTypes:
     def _type_of(self, kind: Any) -> Any:
         node, content = kind
         if node == Nodetype.BASE:
-            return _BASES[content[0]]
+            name, length = content
+            return types.bounded_str[length] if length else _BASES[name]
         if node == Nodetype.NAME:
             return self.struct(content)
         item, length = content
         if node == Nodetype.ARRAY:
             return types.array[self._type_of(item), length]
-        return types.sequence[self._type_of(item)]
+        kind = self._type_of(item)
+        return types.sequence[kind, length] if length else types.sequence[kind]
 
 
 def dds_topic(topic: str) -> str:

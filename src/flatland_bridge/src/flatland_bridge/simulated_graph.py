@@ -1,5 +1,6 @@
 """The topics and services of a simulation in this process."""
 
+import logging
 import threading
 from concurrent.futures import Future
 from pathlib import Path
@@ -9,6 +10,7 @@ from flatland_bridge.graph import BridgeError, Graph, Receive, Sample, Topics, r
 from flatland_bridge.shared_transport import SharedTransport
 from flatland_bridge.simulation_interfaces import SimulationInterfaces
 from flatland_server.config.shipped_worlds import shipped_worlds
+from flatland_server.exceptions import FlatlandError, shortened
 from flatland_server.geometry import Transform
 from flatland_server.messages import ros_time
 from flatland_server.messages.message_types import get
@@ -29,6 +31,8 @@ from flatland_server.serving.world_saving import WorldSaving
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.transport.serialized_transforms import TransformQueue
 from flatland_server.transport.tap import Tap
+
+logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
 
@@ -129,7 +133,14 @@ class SimulatedGraph(Graph, Tap):
         self._transport.post(lambda: self._transport.send(topic, message))
 
     def call(self, service: str, request: Any) -> Any:
-        response = answer(self.service_type(service), self._host.actions[service], request)
+        kind = self.service_type(service)
+        try:
+            response = answer(kind, self._host.actions[service], request)
+        except FlatlandError:
+            raise
+        except Exception as error:  # the client would wait for ever
+            logger.exception("%s has failed", service)
+            raise BridgeError(f"{service} has failed: {shortened(repr(error))}") from None
         if getattr(response, "success", True):
             self._transport.call(self._follow_topics)  # so that the client finds new ones at once
         return response

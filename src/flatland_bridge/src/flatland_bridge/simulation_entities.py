@@ -211,7 +211,7 @@ def _pose_in_world(frame: Any, pose: Any, code: int) -> Pose:
         found = shortened(frame.frame_id)
         raise Failure(code, f'expected a pose in the frame {FRAME_ID}, found "{found}"')
     q = pose.orientation
-    length = math.sqrt(q.x**2 + q.y**2 + q.z**2 + q.w**2)
+    length = math.hypot(q.x, q.y, q.z, q.w)
     place = Pose(pose.position.x, pose.position.y, yaw_of(q) if length else 0.0)
     if not place.is_finite() or (length and abs(length - 1.0) > 0.01):
         raise Failure(code, "expected finite numbers, and a quaternion of length 1")

@@ -174,6 +174,8 @@ class Ppo:
         self._ended: List[Tuple[bool, float]] = []
         self._observations, _ = env.reset(seed=seed)
         self._scale = Scale(size, NEIGHBOR * neighbors)
+        # A robot alone learns slower with normalised beams: they drown the goal.
+        self._normalises = neighbors > 0
         self._seed = seed
 
     def train(
@@ -200,7 +202,7 @@ class Ppo:
         started, done = time.monotonic(), 0
         bar = TrainingBar(steps, seconds) if progress_bar else None
         try:
-            if not self._scale.is_known:
+            if self._normalises and not self._scale.is_known:
                 self._learn_scale()
             while done < steps and time.monotonic() - started < seconds:
                 spent = (time.monotonic() - started) / seconds if seconds < math.inf else 0.0
@@ -294,7 +296,8 @@ class Ppo:
             for start in range(0, size, minibatch):
                 chosen = order[start : start + minibatch]
                 self._descend(_Rollout(*(each[chosen] for each in flat)), rate)
-        self._scale.take(flat.observations)
+        if self._normalises:
+            self._scale.take(flat.observations)
 
     def _descend(self, rows: _Rollout, rate: float) -> None:
         """Makes a step of the optimiser: the gradients of PPO's clipped objective."""

@@ -13,6 +13,9 @@ from flatland_gym.rewards import RewardWeights, Transition
 WorldName = Any
 """The name of a scenario or of a shipped world, the path of a world file, or its content."""
 
+_MOST = 10_000
+"""Columns in an environment, and neighbours in an observation: more are a slip, and fill memory."""
+
 
 @dataclass(frozen=True)
 class NavigationSettings:
@@ -82,8 +85,8 @@ class NavigationSettings:
             value = getattr(self, name)
             if not (value is None and name == "beams"):
                 _require(name, value, is_whole(value) and value >= 1, "a whole number above 0")
-        is_count = is_whole(self.neighbors) and self.neighbors >= 0
-        _require("neighbors", self.neighbors, is_count, "a whole number of 0 or more")
+        is_count = is_whole(self.neighbors) and 0 <= self.neighbors <= _MOST
+        _require("neighbors", self.neighbors, is_count, f"a whole number of 0 to {_MOST}")
         _require("world", self.world, self.worlds, "a world, or one at least in a sequence")
         for name in ("step_size", "goal_radius", "speed_limit", "yaw_rate_limit", "steer_limit"):
             _require_number(name, getattr(self, name), above=0.0)
@@ -97,8 +100,8 @@ class NavigationSettings:
             is_right = _is_number(low) and _is_number(high) and 0.0 < low <= high
             _require(name, (low, high), is_right, "two increasing lengths above 0 m")
         low, high = self.obstacle_counts
-        is_count = is_whole(low) and is_whole(high) and 0 <= low <= high
-        _require("obstacles", self.obstacles, is_count, "a number of 0 or more, or two of them")
+        is_count = is_whole(low) and is_whole(high) and 0 <= low <= high <= _MOST
+        _require("obstacles", self.obstacles, is_count, f"0 to {_MOST}, or two such numbers")
         _require_sequence("robot_scales", self.robot_scales, "numbers, one at least")
         _require("robot_scales", self.robot_scales, len(self.robot_scales) > 0, "one at least")
         for scale in self.robot_scales:

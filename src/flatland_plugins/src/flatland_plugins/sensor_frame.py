@@ -41,7 +41,7 @@ def read_tf_topic(config: YamlReader, static: bool) -> Optional[str]:
 class SensorFrame:
     """Publishes the transform from a body to a sensor on it.
 
-    On /tf_static once, and on /tf with each measurement, as the original does.
+    Once on /tf_static, or with each measurement on /tf, as the original does.
 
     Args:
         plugin: the sensor.

@@ -1,12 +1,14 @@
 """States of batches and branches of a simulation: each goes on with the bits of the simulation."""
 
+import copy
 import multiprocessing
+import pickle
 
 import numpy as np
 import pytest
 from batch_world import WORLD
 
-from flatland2d import Simulation, SimulationBatch, UsageError
+from flatland2d import Simulation, SimulationBatch, UsageError, world_content
 from flatland_server import (
     BatchMotion,
     BatchRole,
@@ -180,6 +182,31 @@ def test_a_state_loads_in_another_process(world_of):
     assert all(np.array_equal(*each) for each in zip(found, expected))
 
 
+def test_several_robots_go_on_from_states(world_of):
+    """In a batch, in a simulation and in its branches; one of them was commanded to stop."""
+    world = world_content(world_of(noise="0.02"))
+    [robot] = [each for each in world["models"] if each["name"] == "robot"]
+    world["models"].append({**robot, "name": "other", "namespace": "other", "pose": [0, -2, 1]})
+    names, rng = ["robot", "other"], np.random.default_rng(1)
+    actions = rng.uniform([-0.5, -1.5], [2.0, 1.5], (20, COUNT, 2, 2))
+    with SimulationBatch(world, COUNT, robots=names, seed=3) as batch, Simulation(world) as single:
+        for each in actions:
+            batch.step(each, 7)
+        batch.step(actions[0], 7, mask=np.arange(2 * COUNT).reshape(COUNT, 2) % 3 > 0)
+        states = batch.save_states()
+        expected = [batch.step(each, 7) for each in actions]
+        batch.load_states(states)
+        for each, row in zip(actions, expected):
+            found = batch.step(each, 7)
+            assert all(np.array_equal(*arrays) for arrays in zip(found, row))
+        single.load_state(states[2])
+        with single.branch(2, robots=names) as branches:
+            for each, row in zip(actions, expected):
+                found = branches.step(each[[2, 2]], 7)
+                for array, of_all in zip(found, row):
+                    assert (array == of_all[2]).all()
+
+
 def run_on(world, states):
     with SimulationBatch(world, 2) as batch:
         batch.load_states(states)
@@ -304,6 +331,14 @@ def test_a_static_body_that_has_moved_is_not_exchanged(world_of):
                 batch.load_states(simulation.save_state())
         with simulation.branch(2) as batch:
             assert_goes_on(batch, simulation)
+
+
+def test_simulations_and_batches_are_not_copied(world_of):
+    with Simulation(world_of()) as simulation, simulation.branch(1) as batch:
+        for each in (simulation, batch):
+            for copied in (copy.deepcopy, pickle.dumps):
+                with pytest.raises(UsageError, match="neither copied nor pickled"):
+                    copied(each)
 
 
 def test_worlds_that_batches_cannot_run_have_no_branches(world_of):

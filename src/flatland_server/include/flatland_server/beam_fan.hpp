@@ -54,7 +54,7 @@ class BeamFan {
 
   /// The number of beams that are computed at a time.
   static constexpr int kGroup = 4;
-  /// size(), rounded up to a multiple of kGroup.
+  /// size(), rounded up to a multiple of kGroup, and two groups more.
   int padded_size() const { return static_cast<int>(xs_.size()); }
   /// Directions by rank, padded with zeros to padded_size().
   const double* xs() const { return xs_.data(); }

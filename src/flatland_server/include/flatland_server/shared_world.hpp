@@ -48,10 +48,12 @@ class SharedWorld {
 
   /// A new state: that of the world at the beginning. To be destroyed before the SharedWorld.
   std::unique_ptr<State> MakeState();
-  /// Tells the processor to fetch a state from memory, while it does something else. Before that,
-  /// PrefetchPlaces has it fetch where the state's arrays are.
-  static void Prefetch(const State& state);
+  /// Tells the processor to fetch a state from memory, while it does something else: in three
+  /// steps, each of which uses what the one before has fetched: where the state's arrays are,
+  /// these, and the nodes of the tree that they are about.
   static void PrefetchPlaces(const State& state) { __builtin_prefetch(&state); }
+  static void Prefetch(const State& state);
+  void PrefetchUsed(const State& state) const;
   /// Puts the world into a state, until Leave, which must precede the next call.
   World& Enter(const State& state);
   /// Keeps what has become of the state.
@@ -84,6 +86,7 @@ class SharedWorld {
     mechanisms.ForEach([this](auto, Mounted<Mechanism>& each) { AddRange(each.mechanism); });
   }
   void CollectRanges();
+  void JoinBodies();
   void WriteRanges(const State& state);
   void ReadRanges(State& state) const;
   /// Makes `to`, which has no contacts, a copy with contacts of its own.

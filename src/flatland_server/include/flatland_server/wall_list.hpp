@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "flatland_server/beam_fan.hpp"
 #include "flatland_server/geometry.hpp"
 #include "flatland_server/segment_tree.hpp"
 
@@ -19,7 +20,7 @@ class WallList {
  public:
   static constexpr int kBlockSize = SegmentTree::kLeafSize;
 
-  /// Neighbouring walls. Unused places repeat the last one.
+  /// Neighbouring walls, in one cache line. Unused places repeat the last one.
   struct Block {
     Box box;
     std::array<uint32_t, kBlockSize> indices;  ///< in walls()
@@ -30,12 +31,13 @@ class WallList {
   WallList(const std::vector<Segment>& walls, const std::vector<uint32_t>& indices, Vec2 place);
 
   const Segment* walls() const { return walls_; }
-  const std::vector<Block>& blocks() const { return blocks_; }
+  using Blocks = std::vector<Block, AlignedAllocator<Block>>;
+  const Blocks& blocks() const { return blocks_; }
   size_t size() const { return size_; }
 
  private:
   const Segment* walls_;
-  std::vector<Block> blocks_;
+  Blocks blocks_;
   size_t size_;
 };
 

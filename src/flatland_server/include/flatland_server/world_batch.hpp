@@ -135,6 +135,9 @@ class WorldBatch {
   /// environments.
   template <class Visit>
   void ForEach(const bool* mask, int width, Visit visit);
+  /// Tells the processor to fetch what a visit of an environment will need: `distance` visits
+  /// before, from 3 to 1. Each time it looks at what it has fetched the time before.
+  void Prefetch(const SharedWorld& shared, int row, int distance) const;
   /// The world that an environment shares, or its own one.
   SharedWorld& SharedOf(int row);
   /// A state that an environment can be put into; throws std::invalid_argument otherwise.
@@ -149,7 +152,7 @@ class WorldBatch {
   /// Makes the rows of environment `to` equal to those of `from`.
   void CopyRows(const BatchRows& rows, int from, int to) const;
   /// Writes the rows of an environment's robots, of those that `mask` (count x robots) chooses.
-  void Write(World& world, int row, const bool* mask, const BatchRows& rows) const;
+  void Write(World& world, int row, const bool* mask, const BatchRows& rows);
 
   std::vector<BatchRobot> robots_;
   std::vector<BatchModel> models_;
@@ -159,6 +162,7 @@ class WorldBatch {
   std::vector<std::unique_ptr<SharedWorld>> worlds_;  // one for each thread
   std::vector<Environment> environments_;             // destroyed before the worlds
   std::vector<char> collided_;                        // for each robot of each environment
+  std::vector<const WallList*> drawn_;                // the same: by its last scan, or null
   ThreadTeam team_;
 };
 

@@ -44,7 +44,7 @@ void BeamFan::Sort() {
 
   is_sorted_ = std::is_sorted(beams_.begin(), beams_.end());
 
-  const size_t padded = (directions_.size() + kGroup - 1) / kGroup * kGroup;
+  const size_t padded = (directions_.size() + kGroup - 1) / kGroup * kGroup + 2 * kGroup;
   xs_.assign(padded, 0.0);
   ys_.assign(padded, 0.0);
   for (size_t rank = 0; rank < beams_.size(); ++rank) {

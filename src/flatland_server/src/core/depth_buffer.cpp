@@ -119,7 +119,7 @@ FLATLAND_CLONES void DrawTree(const SegmentTree& walls, const LidarView& view) {
 
 /// Draws the walls of a list, about front to back.
 FLATLAND_CLONES void DrawList(const WallList& list, const LidarView& view) {
-  const std::vector<WallList::Block>& blocks = list.blocks();
+  const WallList::Blocks& blocks = list.blocks();
   const size_t near = std::min(blocks.size(), kNearBlocks);
   for (size_t i = 0; i < near; ++i) DrawIndexed(blocks[i].indices, list.walls(), view);
   for (size_t i = near; i < blocks.size(); i += 2) {
@@ -189,7 +189,7 @@ FLATLAND_CLONES void DrawCircleOn(const BeamFan& fan, double* inverse, Vec2 cent
 
 FLATLAND_CLONES void DrawSide(const BeamFan& fan, double* inverse, Vec2 a, Vec2 b, double cross) {
   for (const BeamFan::Run& run : fan.BeamsBetween(a, b)) {
-    DrawOn(fan, inverse, run, a, b, 1.0 / cross);
+    if (run.begin < run.end) DrawOn(fan, inverse, run, a, b, 1.0 / cross);
   }
 }
 
@@ -206,7 +206,7 @@ FLATLAND_CLONES void Invert(const double* inverse, const double* other, int coun
     const Doubles one = Load(inverse + i), two = Load(other + i);
     const Doubles nearest = one > two ? one : two;
     const Doubles distances = nearest > min_inverse ? 1.0 / nearest : Fill(kInfinity);
-    for (int k = 0; k < kGroup; ++k) ranges[i + k] = static_cast<float>(distances[k]);
+    Store(ToFloats(distances), ranges + i);
   }
   for (; i < count; ++i) {
     const double nearest = std::max(inverse[i], other[i]);

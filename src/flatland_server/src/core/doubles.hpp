@@ -3,6 +3,7 @@
 /// Arithmetic on four numbers at a time (SIMD), for depth_buffer.cpp and its parts.
 
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 #include "flatland_server/beam_fan.hpp"
@@ -23,6 +24,7 @@ constexpr int kGroup = BeamFan::kGroup;
 /// Vectors of numbers, and of the results of comparisons: -1 for true, 0 for false.
 using Doubles = double __attribute__((vector_size(kGroup * sizeof(double))));
 using Mask = long long __attribute__((vector_size(kGroup * sizeof(long long))));
+using Floats = float __attribute__((vector_size(kGroup * sizeof(float))));
 using Ints = int __attribute__((vector_size(kGroup * sizeof(int))));
 static_assert(kGroup == 4, "Fill lists four numbers");
 
@@ -37,6 +39,28 @@ FLATLAND_INLINE Doubles Load(const double* values) {
 template <class Vector, class T>
 FLATLAND_INLINE void Store(const Vector& stored, T* values) {
   std::memcpy(values, &stored, sizeof(stored));
+}
+
+/// Turns the rows of a matrix into its columns.
+FLATLAND_INLINE void Transpose(Doubles (&rows)[kGroup]) {
+#ifdef __clang__
+#define FLATLAND_SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
+#else
+#define FLATLAND_SHUFFLE(a, b, ...) __builtin_shuffle(a, b, Mask{__VA_ARGS__})
+#endif
+  const Doubles even_low = FLATLAND_SHUFFLE(rows[0], rows[1], 0, 4, 2, 6);
+  const Doubles odd_low = FLATLAND_SHUFFLE(rows[0], rows[1], 1, 5, 3, 7);
+  const Doubles even_high = FLATLAND_SHUFFLE(rows[2], rows[3], 0, 4, 2, 6);
+  const Doubles odd_high = FLATLAND_SHUFFLE(rows[2], rows[3], 1, 5, 3, 7);
+  rows[0] = FLATLAND_SHUFFLE(even_low, even_high, 0, 1, 4, 5);
+  rows[1] = FLATLAND_SHUFFLE(odd_low, odd_high, 0, 1, 4, 5);
+  rows[2] = FLATLAND_SHUFFLE(even_low, even_high, 2, 3, 6, 7);
+  rows[3] = FLATLAND_SHUFFLE(odd_low, odd_high, 2, 3, 6, 7);
+#undef FLATLAND_SHUFFLE
+}
+
+FLATLAND_INLINE Floats ToFloats(const Doubles& values) {
+  return __builtin_convertvector(values, Floats);
 }
 
 /// Whole parts of numbers that an int can hold.
@@ -54,9 +78,12 @@ FLATLAND_INLINE Doubles Sqrt(const Doubles& values) {
   return roots;
 }
 
+/// Without the sign bits.
+FLATLAND_INLINE Doubles Abs(const Doubles& values) { return (Doubles)((Mask)values & INT64_MAX); }
+
 /// Upper bounds of the vectors' lengths.
 FLATLAND_INLINE Doubles ManhattanNorms(const Doubles& x, const Doubles& y) {
-  return (x < 0.0 ? -x : x) + (y < 0.0 ? -y : y);
+  return Abs(x) + Abs(y);
 }
 inline double ManhattanNorm(Vec2 v) { return std::abs(v.x) + std::abs(v.y); }
 

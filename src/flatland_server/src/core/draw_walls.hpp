@@ -22,21 +22,28 @@ constexpr double kEdgeOn = 1e-14;
 
 constexpr int kLeafSize = SegmentTree::kLeafSize;
 
-/// Draws the wall from a to b, where b is counter-clockwise of a, onto a run of beams.
+/// Draws the wall from a to b, where b is counter-clockwise of a, onto a group of beams.
+FLATLAND_INLINE void DrawOnGroup(const BeamFan& fan, double* inverse, int group, Vec2 a, Vec2 b,
+                                 double inverse_cross) {
+  const Doubles x = Load(fan.xs() + group);
+  const Doubles y = Load(fan.ys() + group);
+  const Doubles nearest = Load(inverse + group);
+  const Doubles past_a = Fill(a.x) * y - Fill(a.y) * x;
+  const Doubles before_b = x * Fill(b.y) - y * Fill(b.x);
+  const Doubles across = past_a + before_b;  // cross(u, b - a)
+  const Mask meets = Min(past_a, before_b) >= -kEndTolerance * across;
+  Store(Max(meets ? across * Fill(inverse_cross) : Fill(0.0), nearest), inverse + group);
+}
+
+/// Draws it onto a run of beams. Most walls cover one group or two: a processor, which has to guess
+/// how many, loses more by wrong guesses than by a group in vain.
 FLATLAND_INLINE void DrawOn(const BeamFan& fan, double* inverse, BeamFan::Run run, Vec2 a, Vec2 b,
                             double inverse_cross) {
-  const Doubles ax = Fill(a.x), ay = Fill(a.y), bx = Fill(b.x), by = Fill(b.y);
-  const Doubles scale = Fill(inverse_cross);
-  const double *const xs = fan.xs(), *const ys = fan.ys();
-  for (int group = run.begin & -kGroup; group < run.end; group += kGroup) {
-    const Doubles x = Load(xs + group);
-    const Doubles y = Load(ys + group);
-    const Doubles nearest = Load(inverse + group);
-    const Doubles past_a = ax * y - ay * x;
-    const Doubles before_b = x * by - y * bx;
-    const Doubles across = past_a + before_b;  // cross(u, b - a)
-    const Mask meets = Min(past_a, before_b) >= -kEndTolerance * across;
-    Store(Max(meets ? across * scale : Fill(0.0), nearest), inverse + group);
+  int group = run.begin & -kGroup;
+  DrawOnGroup(fan, inverse, group, a, b, inverse_cross);
+  DrawOnGroup(fan, inverse, group + kGroup, a, b, inverse_cross);
+  for (group += 2 * kGroup; group < run.end; group += kGroup) {
+    DrawOnGroup(fan, inverse, group, a, b, inverse_cross);
   }
 }
 
@@ -128,13 +135,10 @@ FLATLAND_INLINE void DrawIndexed(const SegmentTree::Indices& indices, const Segm
                                  const LidarView& view) {
   WallsView walls;
   for (int lane = 0; lane < kLeafSize; lane += kGroup) {
-    const Segment& a = segments[indices[lane]];
-    const Segment& b = segments[indices[lane + 1]];
-    const Segment& c = segments[indices[lane + 2]];
-    const Segment& d = segments[indices[lane + 3]];
-    ViewWalls({Doubles{a.a.x, b.a.x, c.a.x, d.a.x}, Doubles{a.a.y, b.a.y, c.a.y, d.a.y},
-               Doubles{a.b.x, b.b.x, c.b.x, d.b.x}, Doubles{a.b.y, b.b.y, c.b.y, d.b.y}},
-              lane, view, &walls);
+    Doubles rows[kGroup];
+    for (int k = 0; k < kGroup; ++k) rows[k] = Load(&segments[indices[lane + k]].a.x);
+    Transpose(rows);
+    ViewWalls({rows[0], rows[1], rows[2], rows[3]}, lane, view, &walls);
   }
   DrawWalls(walls, view);
 }

@@ -76,12 +76,12 @@ int Lidars::GetBeamCount(LidarHandle lidar) const {
   return lidars_.Get(lidar).mechanism.settings.fan->size();
 }
 
-void Lidars::ScanInto(LidarHandle handle, float* ranges, const AccessGuard&) const {
+const WallList* Lidars::ScanInto(LidarHandle handle, float* ranges, const AccessGuard&) const {
   const Mounted<Lidar>& mounted = lidars_.Get(handle);
   const LidarSettings& settings = mounted.mechanism.settings;
   RefreshVisibleFixtures();
-  ScanInto(*settings.fan, PoseOf(mounted), settings.scan, ranges, nullptr,
-           VisibleWalls::kWholeSearch);
+  return ScanInto(*settings.fan, PoseOf(mounted), settings.scan, ranges, nullptr,
+                  VisibleWalls::kWholeSearch);
 }
 
 void Lidars::Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
@@ -120,32 +120,35 @@ void Lidars::AddVisibleFixtures(const BodyRecord& record) const {
   }
 }
 
-void Lidars::ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& settings,
-                      float* ranges, float* intensities, int search_effort) const {
+const WallList* Lidars::ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& settings,
+                                 float* ranges, float* intensities, int search_effort) const {
   thread_local DepthBuffer buffer;  // keeps its memory from scan to scan
   buffer.Begin(fan, settings.range);
   // Reflecting layers are drawn last, so that the buffer can tell them from the rest.
   const auto reflects = [&](LayerBits layers) {
     return (layers & settings.reflectance_layers) != 0;
   };
-  DrawOn(buffer, pose, settings, search_effort,
-         [&](LayerBits layers) { return !reflects(layers); });
+  const WallList* const drawn = DrawOn(buffer, pose, settings, search_effort,
+                                       [&](LayerBits layers) { return !reflects(layers); });
   if (settings.reflectance_layers != 0) {
     buffer.BeginReflecting();
     DrawOn(buffer, pose, settings, search_effort, reflects);
   }
   buffer.GetRanges(ranges);
   if (intensities != nullptr) buffer.GetIntensities(intensities);
+  return drawn;
 }
 
 template <class Choose>
-void Lidars::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& settings,
-                    int search_effort, Choose choose) const {
+const WallList* Lidars::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& settings,
+                               int search_effort, Choose choose) const {
   const Vec2 origin{pose.x, pose.y};
+  const WallList* drawn = nullptr;
   for (const Layers::Layer& layer : layers_.all()) {
     if ((layer.bits & settings.layers) == 0 || !choose(layer.bits)) continue;
     if (const WallList* seen = layer.walls->SeenFrom(origin, search_effort)) {
       buffer.Draw(*seen, pose);
+      drawn = seen;
     } else {
       buffer.Draw(layer.walls->all(), pose);
     }
@@ -156,6 +159,7 @@ void Lidars::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& s
     if ((fixture.layers & settings.layers) == 0 || !choose(fixture.layers)) continue;
     fixture.DrawOn(buffer, origin, rotation);
   }
+  return drawn;
 }
 
 }  // namespace flatland

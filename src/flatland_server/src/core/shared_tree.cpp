@@ -30,6 +30,7 @@
 #include <new>
 
 #include "box2d_internals.hpp"
+#include "prefetch.hpp"
 
 namespace flatland {
 namespace {
@@ -96,21 +97,20 @@ void SharedTree::Observe(b2Fixture& fixture) {
 
 SharedTree::SharedTree(b2World& world, const std::vector<b2Fixture*>& moving,
                        std::vector<TreeChange>& changes)
-    : world_(world),
-      nodes_(box2d::Nodes(world)),
-      before_(nodes_, nodes_ + UsedCount(world)),
-      insertions_(box2d::InsertionCount(world)) {
+    : world_(world), nodes_(box2d::Nodes(world)), insertions_(box2d::InsertionCount(world)) {
   for (b2Fixture* fixture : moving) {
     Observe(*fixture);
     const b2FixtureProxy* const proxies = box2d::FixtureInternals::Proxies(*fixture);
     const int32 count = box2d::FixtureInternals::ProxyCount(*fixture);
     for (int32 i = 0; i < count; ++i) moving_leaves_.push_back(proxies[i].proxyId);
   }
-  is_changed_.resize(before_.size());
-  beginning_ = before_;
-  for (size_t i = 0; i < beginning_.size(); ++i) {
-    if (!beginning_[i].moved) continue;
-    beginning_[i].moved = false;  // as after the first step
+  const size_t count = UsedCount(world);
+  is_changed_.resize(count);
+  former_.reserve(count);
+  for (size_t i = 0; i < count; ++i) {
+    former_.push_back({nodes_[i], nodes_[i]});
+    if (!nodes_[i].moved) continue;
+    former_[i].beginning.moved = false;  // as after the first step
     changed_.push_back(static_cast<int32>(i));
   }
   Leave(changes);
@@ -120,9 +120,16 @@ SharedTree::~SharedTree() {
   if (entered_ == this) entered_ = nullptr;
 }
 
+void SharedTree::Prefetch(const std::vector<TreeChange>& changes) const {
+  for (const TreeChange& each : changes) {
+    PrefetchObject(nodes_[each.index]);
+    PrefetchObject(former_[each.index]);
+  }
+}
+
 void SharedTree::Enter(const std::vector<TreeChange>& changes) {
   for (const TreeChange& each : changes) {
-    nodes_[each.index] = before_[each.index] = each.node;
+    nodes_[each.index] = former_[each.index].before = each.node;
     is_changed_[each.index] = 1;
     changed_.push_back(each.index);
   }
@@ -134,8 +141,9 @@ void SharedTree::Leave(std::vector<TreeChange>& changes) {
   Follow();
   changes.clear();
   for (const int32 index : changed_) {
-    if (!AreEqual(nodes_[index], beginning_[index])) changes.push_back({index, nodes_[index]});
-    nodes_[index] = before_[index] = beginning_[index];
+    Former& former = former_[index];
+    if (!AreEqual(nodes_[index], former.beginning)) changes.push_back({index, nodes_[index]});
+    nodes_[index] = former.before = former.beginning;
     is_changed_[index] = 0;
   }
   changed_.clear();
@@ -149,7 +157,7 @@ void SharedTree::Follow() {
   int32 moved = b2_nullNode;
   bool is_clear = moves == 1;
   for (const int32 leaf : moving_leaves_) {
-    if (AreEqual(nodes_[leaf].aabb, before_[leaf].aabb)) continue;
+    if (AreEqual(nodes_[leaf].aabb, former_[leaf].before.aabb)) continue;
     is_clear = is_clear && moved == b2_nullNode;
     moved = leaf;
   }
@@ -171,14 +179,14 @@ void SharedTree::FollowMove(int32 leaf) {
 
 void SharedTree::CompareAll() {
   ++comparisons_;
-  for (size_t i = 0; i < before_.size(); ++i) Compare(static_cast<int32>(i), 0);
+  for (size_t i = 0; i < size(); ++i) Compare(static_cast<int32>(i), 0);
 }
 
 void SharedTree::CompareAncestors(int32 index, int levels) {
   Compare(index, levels);
   int32 below = index;
-  for (int32 i = before_[index].parent; i != b2_nullNode; i = before_[i].parent) {
-    const b2TreeNode& node = before_[i];
+  for (int32 i = former_[index].before.parent; i != b2_nullNode; i = former_[i].before.parent) {
+    const b2TreeNode& node = former_[i].before;
     Compare(i, 0);
     Compare(node.child1 == below ? node.child2 : node.child1, levels - 1);
     below = i;
@@ -186,7 +194,7 @@ void SharedTree::CompareAncestors(int32 index, int levels) {
 }
 
 void SharedTree::Compare(int32 index, int levels) {
-  const b2TreeNode& node = before_[index];
+  const b2TreeNode& node = former_[index].before;
   if (!AreEqual(node, nodes_[index])) found_.push_back(index);
   if (levels == 0 || node.IsLeaf()) return;
   Compare(node.child1, levels - 1);
@@ -195,7 +203,7 @@ void SharedTree::Compare(int32 index, int levels) {
 
 void SharedTree::TakeFound() {
   for (const int32 index : found_) {
-    before_[index] = nodes_[index];
+    former_[index].before = nodes_[index];
     if (is_changed_[index] != 0) continue;
     is_changed_[index] = 1;
     changed_.push_back(index);

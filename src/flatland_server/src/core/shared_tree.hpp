@@ -34,13 +34,15 @@ class SharedTree {
   SharedTree(const SharedTree&) = delete;
   SharedTree& operator=(const SharedTree&) = delete;
 
+  /// Tells the processor to fetch the nodes that Enter writes to, and Leave reads.
+  void Prefetch(const std::vector<TreeChange>& changes) const;
   /// Puts the tree of the beginning, in the world, into a state, until Leave, on the same thread.
   /// The rest of the b2DynamicTree, such as the index of the root, is that of the state already.
   void Enter(const std::vector<TreeChange>& changes);
   /// Replaces `changes` by what the tree differs by, and puts back that of the beginning.
   void Leave(std::vector<TreeChange>& changes);
   /// Number of nodes, used or not, up to the last one that a state may use.
-  size_t size() const { return before_.size(); }
+  size_t size() const { return former_.size(); }
   /// Number of times that all nodes were compared, since it was not clear what was moved; for
   /// tests.
   int comparisons() const { return comparisons_; }
@@ -49,6 +51,12 @@ class SharedTree {
   template <class Shape>
   class Observed;
   static void Observe(b2Fixture& fixture);
+
+  /// Of a node. The two are needed together.
+  struct Former {
+    b2TreeNode before;     // as it was before the move that is followed
+    b2TreeNode beginning;  // as at the beginning
+  };
 
   /// Finds out what the moves of leaves since the last call have changed.
   void Follow();
@@ -65,8 +73,7 @@ class SharedTree {
   b2World& world_;
   b2TreeNode* const nodes_;  // those that Box2D uses
   std::vector<int32> moving_leaves_;
-  std::vector<b2TreeNode> beginning_;
-  std::vector<b2TreeNode> before_;        // as they were before the move that is followed
+  std::vector<Former> former_;
   std::vector<int32> changed_;            // indices of nodes that may differ from the beginning
   std::vector<std::uint8_t> is_changed_;  // of each node, whether it is among them
   std::vector<int32> found_;              // by the present comparison

@@ -1,26 +1,19 @@
 #include "flatland_server/shared_world.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
+#include <functional>
 
 #include "box2d_copies.hpp"
 #include "box2d_internals.hpp"
 #include "box2d_limits.hpp"
+#include "prefetch.hpp"
 #include "shared_tree.hpp"
 #include "tree_order.hpp"
 #include "world_state.hpp"
 
 namespace flatland {
-namespace {
-
-template <class T>
-void PrefetchAll(const std::vector<T>& values) {
-  constexpr size_t kCacheLine = 64;
-  const auto* const bytes = reinterpret_cast<const std::byte*>(values.data());
-  for (size_t i = 0; i < values.size() * sizeof(T); i += kCacheLine) __builtin_prefetch(bytes + i);
-}
-
-}  // namespace
 
 SharedWorld::State::State() = default;
 SharedWorld::State& SharedWorld::State::operator=(const State&) = default;
@@ -69,6 +62,10 @@ void SharedWorld::SkipWalls() {
 void SharedWorld::CollectRanges() {
   b2World& box2d_world = *world_->world_;
   b2ContactManager& contacts = box2d::Contacts(box2d_world);
+  world_->bodies_.ForEach([this](World::Body, BodyRecord& record) {
+    if (record.may_move) AddRange(*record.body);
+  });
+  JoinBodies();
   AddRange(contacts.m_contactList);
   AddRange(contacts.m_contactCount);
   AddRange(box2d::NewContacts(box2d_world));
@@ -79,7 +76,6 @@ void SharedWorld::CollectRanges() {
       AddRange(box2d::ContactList(*record.body));
       return;
     }
-    AddRange(*record.body);
     for (const BodyRecord::FixtureRecord& each : record.fixtures) {
       b2FixtureProxy* proxies = box2d::FixtureInternals::Proxies(*each.fixture);
       const int32 count = box2d::FixtureInternals::ProxyCount(*each.fixture);
@@ -103,6 +99,28 @@ void SharedWorld::CollectRanges() {
   for (const Range& range : ranges_) size_ += range.size;
 }
 
+/// Box2D's bodies are mostly neighbours in memory, with padding between them in which no other
+/// object fits.
+void SharedWorld::JoinBodies() {
+  constexpr ptrdiff_t kLeastObject = 16;
+  const auto begin_of = [](const Range& range) { return static_cast<std::byte*>(range.address); };
+  std::sort(ranges_.begin(), ranges_.end(), [&](const Range& a, const Range& b) {
+    return std::less<>()(begin_of(a), begin_of(b));
+  });
+  std::vector<Range> joined;
+  for (const Range& range : ranges_) {
+    const ptrdiff_t gap = joined.empty()
+                              ? kLeastObject
+                              : begin_of(range) - (begin_of(joined.back()) + joined.back().size);
+    if (gap < kLeastObject) {
+      joined.back().size += gap + range.size;
+    } else {
+      joined.push_back(range);
+    }
+  }
+  ranges_ = std::move(joined);
+}
+
 std::unique_ptr<SharedWorld::State> SharedWorld::MakeState() {
   std::unique_ptr<State> state(new State());
   Copy(*beginning_, *state);
@@ -110,9 +128,11 @@ std::unique_ptr<SharedWorld::State> SharedWorld::MakeState() {
 }
 
 void SharedWorld::Prefetch(const State& state) {
-  PrefetchAll(state.bytes_);
-  PrefetchAll(state.nodes_);
+  PrefetchElements(state.bytes_);
+  PrefetchElements(state.nodes_);
 }
+
+void SharedWorld::PrefetchUsed(const State& state) const { tree_->Prefetch(state.nodes_); }
 
 void SharedWorld::WriteRanges(const State& state) {
   const std::byte* from = state.bytes_.data();

@@ -1,12 +1,15 @@
 #include "flatland_server/world_batch.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
 
 #include "box2d_limits.hpp"
+#include "flatland_server/wall_list.hpp"
+#include "prefetch.hpp"
 #include "world_state.hpp"
 
 namespace flatland {
@@ -52,6 +55,7 @@ WorldBatch::WorldBatch(const World& world, const std::vector<BatchRobot>& robots
   }
   environments_.resize(count);
   collided_.resize(static_cast<size_t>(row_count()));
+  drawn_.resize(collided_.size());
   for (int i = 0; i < team_.size(); ++i) {
     for (int row = team_.Begin(i, count); row < team_.Begin(i + 1, count); ++row) {
       environments_[row].state = worlds_[i]->MakeState();
@@ -74,22 +78,39 @@ template <class Visit>
 void WorldBatch::ForEach(const bool* mask, int width, Visit visit) {
   team_.Run([&](int i) noexcept {
     const int end = team_.Begin(i + 1, count());
+    const auto world_of = [this, i](int row) -> SharedWorld& {
+      return environments_[row].own ? *environments_[row].own : *worlds_[i];
+    };
     const auto first_from = [mask, width, end](int row) {
       while (row < end && !IsChosen(mask, width, row)) ++row;
       return row;
     };
-    int row = first_from(team_.Begin(i, count()));
-    int next = first_from(row + 1);
-    while (row < end) {
-      const int later = first_from(next + 1);
-      if (next < end) SharedWorld::Prefetch(*environments_[next].state);
-      if (later < end) SharedWorld::PrefetchPlaces(*environments_[later].state);
-      Environment& environment = environments_[row];
-      visit(environment.own ? *environment.own : *worlds_[i], environment, row);
-      row = next;
-      next = later;
+    // The present row, and the next ones, which are fetched from memory meanwhile.
+    std::array<int, 4> rows;
+    int row = team_.Begin(i, count());
+    for (int& each : rows) row = (each = first_from(row)) + 1;
+    while (rows[0] < end) {
+      for (int k = 1; k < 4; ++k) {
+        if (rows[k] < end) Prefetch(world_of(rows[k]), rows[k], k);
+      }
+      visit(world_of(rows[0]), environments_[rows[0]], rows[0]);
+      std::move(rows.begin() + 1, rows.end(), rows.begin());
+      rows.back() = first_from(rows.back() + 1);
     }
   });
+}
+
+void WorldBatch::Prefetch(const SharedWorld& shared, int row, int distance) const {
+  const SharedWorld::State& state = *environments_[row].state;
+  if (distance == 3) return SharedWorld::PrefetchPlaces(state);
+  if (distance == 2) SharedWorld::Prefetch(state);
+  if (distance == 1) shared.PrefetchUsed(state);
+  for (int i = 0; i < robot_count(); ++i) {
+    const WallList* const drawn = drawn_[int64_t{row} * robot_count() + i];
+    if (drawn == nullptr) continue;
+    if (distance == 2) PrefetchObject(*drawn);
+    if (distance == 1) PrefetchElements(drawn->blocks());
+  }
 }
 
 void WorldBatch::RequireActions(const double* actions, const bool* mask) const {
@@ -258,7 +279,9 @@ void WorldBatch::Replace(int row, const World& world) {
   environment.state = own->MakeState();  // the former one is destroyed before its world
   environment.own = std::move(own);
   environment.steps = 0;
-  std::fill_n(collided_.begin() + int64_t{row} * robot_count(), robot_count(), false);
+  const int64_t first = int64_t{row} * robot_count();
+  std::fill_n(collided_.begin() + first, robot_count(), false);
+  std::fill_n(drawn_.begin() + first, robot_count(), nullptr);  // walls of its former world
 }
 
 void WorldBatch::SeedCrowd(const bool* mask, World::CrowdHandle crowd, const uint64_t* keys) {
@@ -339,7 +362,7 @@ void WorldBatch::CopyRows(const BatchRows& rows, int from, int to) const {
   rows.steps[to] = environments_[to].steps;
 }
 
-void WorldBatch::Write(World& world, int row, const bool* mask, const BatchRows& rows) const {
+void WorldBatch::Write(World& world, int row, const bool* mask, const BatchRows& rows) {
   for (int i = 0; i < robot_count(); ++i) {
     const int64_t at = int64_t{row} * robot_count() + i;
     if (mask != nullptr && !mask[at]) continue;
@@ -347,7 +370,8 @@ void WorldBatch::Write(World& world, int row, const bool* mask, const BatchRows&
     const Pose pose = Wrapped(world.GetPose(body));
     const Twist velocity = world.GetVelocity(body);
     const Twist local = world.GetLocalVelocity(body);
-    world.lidars().ScanInto(robots_[i].lidar, rows.ranges + at * beams_, World::AccessGuard(world));
+    drawn_[at] = world.lidars().ScanInto(robots_[i].lidar, rows.ranges + at * beams_,
+                                         World::AccessGuard(world));
     Put(rows.poses + 3 * at, pose.x, pose.y, pose.yaw);
     Put(rows.velocities + 3 * at, velocity.vx, velocity.vy, velocity.omega);
     Put(rows.local_velocities + 3 * at, local.vx, local.vy, local.omega);

@@ -2,7 +2,7 @@
 
 import os
 from dataclasses import replace
-from typing import Any, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, List, Mapping, NoReturn, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -581,6 +581,9 @@ class SimulationBatch:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    def __reduce__(self) -> NoReturn:
+        raise UsageError("a SimulationBatch is neither copied nor pickled: see save_states")
 
     def _require_open(self) -> _core.WorldBatch:
         if self._core is None:

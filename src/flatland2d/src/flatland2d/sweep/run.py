@@ -1,7 +1,7 @@
 """The run of a scenario, as its controller sees it: the simulation, the robot, the goal, time."""
 
 import math
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Sequence, cast
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from flatland2d.simulation import Simulation
 from flatland2d.sweep.metrics import barn_score, motion_metrics
 from flatland2d.sweep.people import PeopleMetrics
 from flatland2d.sweep.settings import SweepSettings, Task
+from flatland2d.touch import Touch
 from flatland_navigation.score import GoalScore, spl
 from flatland_server import _core
 from flatland_server.arguments import steps_in
@@ -162,6 +163,7 @@ class SweepRun:
             self._body = robot.model.base.physics_body
             self._drive = _drive_of(simulation, robot)
             self._score = GoalScore(1, shortest)
+            self._touched = False
             self._start = robot.pose
             self._place = self._start[:2]
             self._people = PeopleMetrics(simulation.world, robot.model)
@@ -291,10 +293,9 @@ class SweepRun:
             x, y, _ = self._body.pose
             self._length += math.dist(self._place, (x, y))
             self._place = (x, y)
-            touched = self._touched(self._robot.name)
-            self._score.add_contacts(set(touched))
-            if touched:
-                self._collide(touched[0][0])
+            contacts = self.simulation.contacts
+            if contacts or self._touched:
+                self._note_contacts(contacts, self._robot.name)
             goal = None if self._collided_with else self.goal
             if goal is not None and math.dist(self._place, goal) < self.goal_radius:
                 self._has_arrived = True
@@ -302,16 +303,19 @@ class SweepRun:
         if not self.outcome and self._steps >= self._limit:
             self.outcome = "time limit"
 
-    def _touched(self, robot: str) -> List[Tuple[str, str]]:
-        """The solid models or layers, and their bodies, that the robot touches."""
-        found = []
-        for touch in self.simulation.contacts:
+    def _note_contacts(self, contacts: List[Touch], robot: str) -> None:
+        """Scores the robot's contacts with bodies that are solid and not its own."""
+        touched = []
+        for touch in contacts:
             if touch.points and touch.model_a != touch.model_b:
                 if touch.model_a == robot:
-                    found.append((touch.model_b, touch.body_b))
+                    touched.append((touch.model_b, touch.body_b))
                 elif touch.model_b == robot:
-                    found.append((touch.model_a, touch.body_a))
-        return found
+                    touched.append((touch.model_a, touch.body_a))
+        self._touched = bool(touched)
+        self._score.add_contacts(set(touched))
+        if touched:
+            self._collide(touched[0][0])
 
     def _collide(self, other: str) -> None:
         self._collided_with = self._collided_with or other
@@ -335,7 +339,8 @@ class SweepRun:
 def _drive_of(simulation: Simulation, robot: ModelHandle) -> Optional[_core.Drive]:
     """The drive of the core whose command is a velocity, if the robot has one."""
     for plugin in simulation.world.plugins_of(robot.name).values():
-        role = plugin.batch_role
-        if role is not None and role.drive is not None and isinstance(role.drive.drive, _core.Drive):
-            return role.drive.drive
+        core = plugin.batch_role.drive if plugin.batch_role else None
+        drive = core.drive if core else None
+        if isinstance(drive, _core.Drive):
+            return cast(_core.Drive, drive)
     return None

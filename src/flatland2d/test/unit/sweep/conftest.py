@@ -56,14 +56,6 @@ def towards(run, speed=1.0):
     return {"scan": scan, "draws": int(run.rng.integers(1000)), "note": "ok, so"}
 
 
-def knocks(run):
-    """Drives against the wall behind twice, and believes to be 10 and then 40 cm beside."""
-    for speed, turn, error in ((-1.0, 0.0, 0.1), (0.5, 0.2, 0.1), (-1.0, 0.0, 0.4)):
-        run.robot.command(speed, turn)
-        run.step(1.5)
-        run.note_estimate(run.robot.pose.x, run.robot.pose.y + error)
-
-
 def dies_once(run, mark):
     """Is killed by SIGKILL in its first attempt."""
     if run.seed == 2 and not os.path.exists(mark):
@@ -110,6 +102,14 @@ def forges(run):
 def stops(run):
     stay()
     os.kill(os.getpid(), signal.SIGSTOP)
+
+
+def knocks(run):
+    """Drives against the wall behind twice, and believes to be 10 and then 40 cm beside."""
+    for speed, turn, error in ((-1.0, 0.0, 0.1), (0.5, 0.2, 0.1), (-1.0, 0.0, 0.4)):
+        run.robot.command(speed, turn)
+        run.step(1.5)
+        run.note_estimate(run.robot.pose.x, run.robot.pose.y + error)
 
 
 class Word(str, enum.Enum):

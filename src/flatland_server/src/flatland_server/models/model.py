@@ -182,8 +182,9 @@ class Model(Entity):
         self.footprint_revision = 0
         self._joints_by_name: Dict[str, Joint] = {}
         try:
+            origin = pose.wrapped()
             for body in config.bodies:
-                self.bodies[body.name] = ModelBody(body, pose.wrapped(), physics)
+                self.bodies[body.name] = ModelBody(body, origin, physics)
             for joint in config.joints:
                 self.joints.append(Joint(joint, self.bodies))
                 self._joints_by_name[joint.name] = self.joints[-1]

@@ -2,6 +2,7 @@
 
 import logging
 import sys
+from functools import lru_cache
 from typing import (
     Any,
     Callable,
@@ -210,18 +211,14 @@ class PluginManager:
 
     def stop(self, model_name: str) -> None:
         """Stops the plugins of a model or of the world, in the reverse order of their start."""
-        plugins = self._plugins.pop(model_name, [])
-        self._revision.change()
-        self._stop_calling(plugins)
-        for plugin in reversed(plugins):
-            if self._failures.pop(plugin, None) is None:
-                self._shut_down(plugin)
+        self._stop_calling(self._plugins.get(model_name, []))
+        self._shut_down_all(model_name)
 
     def stop_all(self) -> None:
         """Stops all plugins."""
         self._stop_calling([plugin for plugins in self._plugins.values() for plugin in plugins])
         for model_name in list(self._plugins):
-            self.stop(model_name)
+            self._shut_down_all(model_name)
         self._step_calls = NO_CALLS
 
     def steps_without_hooks(self, timekeeper: Timekeeper, limit: int) -> int:
@@ -342,6 +339,14 @@ class PluginManager:
         self._schedule.remove(plugins)
         self._contacts.remove(plugins)
 
+    def _shut_down_all(self, model_name: str) -> None:
+        """Shuts down the plugins of a model or of the world, which are not called any more."""
+        plugins = self._plugins.pop(model_name, [])
+        self._revision.change()
+        for plugin in reversed(plugins):
+            if self._failures.pop(plugin, None) is None:
+                self._shut_down(plugin)
+
     def _shut_down(self, plugin: Plugin) -> None:
         try:
             plugin.on_shutdown()
@@ -352,8 +357,9 @@ class PluginManager:
 
 def _overridden_hooks(plugin: Plugin) -> Dict[str, Hook]:
     """The hooks of a plugin that are not the empty ones of the base class, by name."""
-    return {
-        name: getattr(plugin, name)
-        for name in HOOKS
-        if getattr(type(plugin), name) is not getattr(Plugin, name)
-    }
+    return {name: getattr(plugin, name) for name in _overridden_names(type(plugin))}
+
+
+@lru_cache(maxsize=256)
+def _overridden_names(cls: Type[Plugin]) -> Tuple[str, ...]:
+    return tuple(name for name in HOOKS if getattr(cls, name) is not getattr(Plugin, name))

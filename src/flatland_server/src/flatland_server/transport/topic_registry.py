@@ -88,11 +88,10 @@ class TopicRegistry:
     def _is_of_server(self, name: str) -> bool:
         node = self._transport.node_name
         markers = self._transport.resolve("interactive_model_markers")
-        return (
-            name in _OF_SERVER
-            or name in (*(f"{node}/{topic}" for topic in _OF_NODE), markers)
-            or name.startswith((f"{node}/debug/", f"{markers}/"))
-        )
+        if name.startswith(f"{node}/"):
+            own = name[len(node) + 1 :]
+            return own in _OF_NODE or own.startswith("debug/")
+        return name in _OF_SERVER or name == markers or name.startswith(f"{markers}/")
 
     def _claim(self, topic: str, name: str, kind: str, plugin: str) -> None:
         known = _TYPES.get(name)
