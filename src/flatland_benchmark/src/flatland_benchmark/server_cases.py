@@ -1,6 +1,7 @@
 """Cases that run the real server under a ROS master of its own: speed, subscribers."""
 
 import json
+import math
 import shutil
 import sys
 import tempfile
@@ -56,13 +57,31 @@ together."""
 
 
 @contextmanager
-def _robots(worlds: Path, robots: int, rosout: bool = True) -> Iterator[ServerProcess]:
-    """A server with this many robots, as fast as it goes."""
+def _robots(
+    worlds: Path, robots: int, rosout: bool = True, update_rate: float = math.inf
+) -> Iterator[ServerProcess]:
+    """A server with this many robots, by default as fast as it goes."""
     with tempfile.TemporaryDirectory(prefix="flatland_benchmark_") as folder:
         world = write_world(Path(folder), worlds, robots)
-        with ServerProcess(world, rosout=rosout) as server:
+        with ServerProcess(world, update_rate, rosout=rosout) as server:
             server.settle(SETTLING)
             yield server
+
+
+@contextmanager
+def _robots_subscribed_to(
+    worlds: Path, robots: int
+) -> Iterator[Tuple[ServerProcess, CountingSubscriber]]:
+    """The same with a subscriber to all topics.
+
+    It connects in real time: a node that messages flood on its first connections is too slow to
+    open the others.
+    """
+    with _robots(worlds, robots, update_rate=REAL_TIME) as server:
+        subscriber = _connected(server)
+        server.call("change_rate", ["rosservice", "call", "/change_rate", "{rate: .inf}"])
+        server.settle(SETTLING)
+        yield server, subscriber
 
 
 def _figures(interval: Interval, server: ServerProcess) -> Figures:
@@ -81,8 +100,8 @@ def serve(worlds: Path, robots: int, rosout: bool = True) -> Figures:
 
 def serve_with_subscriber(worlds: Path, robots: int) -> Figures:
     """One subscriber to all robots' topics; reports the share of the messages that it receives."""
-    with _robots(worlds, robots) as server:
-        return _subscriber_figures(server, robots)
+    with _robots_subscribed_to(worlds, robots) as (server, subscriber):
+        return _subscriber_figures(server, subscriber, robots)
 
 
 class _MessageSender(ServerProcess):
@@ -99,12 +118,14 @@ class _MessageSender(ServerProcess):
 def send_with_subscriber(_: Path, robots: int, steps: int) -> Figures:
     """The same with a program that only sends."""
     with _MessageSender(robots, steps) as sender:
-        return _subscriber_figures(sender, robots)
+        subscriber = _connected(sender)
+        sender.settle(SETTLING)
+        return _subscriber_figures(sender, subscriber, robots)
 
 
-def _subscriber_figures(server: ServerProcess, robots: int) -> Figures:
-    subscriber = _connected(server)
-    server.settle(SETTLING)
+def _subscriber_figures(
+    server: ServerProcess, subscriber: CountingSubscriber, robots: int
+) -> Figures:
     before = subscriber.next_reading()
     interval = server.measure(MEASURING)
     after = subscriber.next_reading()
@@ -124,9 +145,7 @@ def _connected(server: ServerProcess) -> CountingSubscriber:
 
 def stalled_subscriber(worlds: Path) -> Figures:
     """A subscriber in a stopped process: its messages are dropped."""
-    with _robots(worlds, 10) as server:
-        subscriber = _connected(server)
-        server.settle(SETTLING)
+    with _robots_subscribed_to(worlds, 10) as (server, subscriber):
         before = server.measure(STALLED)
         subscriber.process.stop()
         server.settle(SETTLING)
@@ -140,9 +159,7 @@ def stalled_subscriber(worlds: Path) -> Figures:
 
 def grow(worlds: Path) -> Figures:
     """Growth of memory over time, with a hundred robots and a subscriber."""
-    with _robots(worlds, 100) as server:
-        _connected(server)
-        server.settle(SETTLING)
+    with _robots_subscribed_to(worlds, 100) as (server, _):
         begin, early = server.observer.next_reading(), server.server.memory
         server.settle(GROWING)
         end, late = server.observer.next_reading(), server.server.memory

@@ -1,5 +1,6 @@
 """Messages that the core writes at each step: byte for byte those of the plugins' hooks."""
 
+import contextlib
 import socket
 from collections import defaultdict
 from typing import DefaultDict, List
@@ -98,10 +99,8 @@ class BytesPublisher(Publisher):
         return _core.StepMessage(message, self.transport.outbox, [self.queue])
 
     def receive(self):
-        try:
+        with contextlib.suppress(BlockingIOError):
             self.transport.sent[self.topic] += self.theirs.recv(1_000_000)
-        except BlockingIOError:
-            pass
 
     def close(self):
         self.queue.close()

@@ -2,15 +2,15 @@
 
 /// Messages on their way to the sockets of subscribers.
 ///
-/// Need: a hundred robots publish thousands of messages in a second of simulated time, and ten times
-/// as many when it passes ten times as fast. A call of the system takes as long as several steps of
-/// a small world, and a subscriber that does not keep up must not delay the simulation.
+/// Need: a hundred robots publish thousands of messages in a second of simulated time, and ten
+/// times as many when it passes ten times as fast. A call of the system takes as long as several
+/// steps of a small world, and a subscriber that does not keep up must not delay the simulation.
 ///
-/// Method: each subscriber to a topic has a queue. A message is only added; `Outbox::Send` sends all
-/// queues that have some, each in one call of the system, as far as its socket takes them without
-/// waiting. What a socket does not take stays, at most `limit` messages: the oldest are dropped. One
-/// thread for all queues waits until such sockets have room, and sends the rest. None of this needs
-/// Python's lock.
+/// Method: each subscriber to a topic has a queue. A message is only added; `Outbox::Send` sends
+/// all queues that have some, each in one call of the system, as far as its socket takes them
+/// without waiting. What a socket does not take stays, at most `limit` messages: the oldest are
+/// dropped. One thread for all queues waits until such sockets have room, and sends the rest. None
+/// of this needs Python's lock.
 
 #include <chrono>
 #include <cstddef>

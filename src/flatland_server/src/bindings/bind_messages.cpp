@@ -259,14 +259,13 @@ void BindMessages(py::module_& m) {
              return StepMessage{std::move(message), std::move(outbox), std::move(queues), nullptr};
            }),
            py::arg("message"), py::arg("outbox"), py::arg("queues"))
-      .def(py::init([](std::shared_ptr<BodyMessage> message,
-                       std::shared_ptr<TransformList> transforms) {
-             return StepMessage{std::move(message), nullptr, {}, std::move(transforms)};
-           }),
+      .def(py::init(
+               [](std::shared_ptr<BodyMessage> message, std::shared_ptr<TransformList> transforms) {
+                 return StepMessage{std::move(message), nullptr, {}, std::move(transforms)};
+               }),
            py::arg("message"), py::arg("transforms"));
   py::class_<StepMessages> messages(m, "StepMessages");
-  messages.def(py::init<>())
-      .def("add", &StepMessages::Add, py::arg("order"), py::arg("message"));
+  messages.def(py::init<>()).def("add", &StepMessages::Add, py::arg("order"), py::arg("message"));
   DefineFast<&StepMessages::Begin>(messages, "begin", "nanoseconds");
   DefineFast<&StepMessages::WriteUntil>(messages, "write_until", "order");
   DefineFast<&StepMessages::Write>(messages, "write", "nanoseconds");

@@ -112,8 +112,7 @@ bool Outbox::is_empty() const {
 
 bool Outbox::IsDue() const {
   const std::lock_guard lock(mutex_);
-  return is_full_ ||
-         (!queues_.empty() && std::chrono::steady_clock::now() - since_ >= period_);
+  return is_full_ || (!queues_.empty() && std::chrono::steady_clock::now() - since_ >= period_);
 }
 
 bool Outbox::Send() {

@@ -821,7 +821,7 @@ class StepMessage(metaclass=_Metaclass):
     def __init__(self, message: BodyMessage, transforms: TransformList) -> None: ...
 
 class StepMessages(metaclass=_Metaclass):
-    """Messages that are written at each step, in a fixed order, without a call of Python for each."""
+    """Messages that are written at each step, in a fixed order, by one call of Python."""
 
     def __init__(self) -> None: ...
     def add(self, order: int, message: StepMessage) -> None:

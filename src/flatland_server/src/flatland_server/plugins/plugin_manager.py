@@ -312,7 +312,8 @@ class PluginManager:
             if not plugin.has_work():
                 return False
             messages = plugin.step_messages()
-            return messages if messages and None not in messages else True
+            found = [each for each in messages if each is not None]
+            return found if found and len(found) == len(messages) else True
         except PLUGIN_ERRORS:
             self._fail(plugin, "has_work")
             return False

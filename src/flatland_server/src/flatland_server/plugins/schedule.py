@@ -24,8 +24,8 @@ from flatland_server.update_timer import UpdateTimer
 
 StepHook = Callable[[Timekeeper], None]
 
-Work = Union[bool, Sequence[Optional[StepMessage]]]
-"""Whether the hooks of a plugin are to be called, or the messages in their place: all are there."""
+Work = Union[bool, List[StepMessage]]
+"""Whether the hooks of a plugin are to be called, or the messages in their place."""
 
 _FOREVER = 2**63
 """A time that is never reached [ns]; an int, since ints are compared faster with ints."""
@@ -211,10 +211,10 @@ class Schedule:
                 if each.is_idle:
                     if timer is not None and timer.due < 0:
                         timer.check_update_at(now)  # a rate counts from the first step
-                elif timer is None and isinstance(work, bool):
-                    steady.append(each)
-                elif timer is None:
+                elif timer is None and isinstance(work, list):
                     messages += [(each.order, message) for message in work]
+                elif timer is None:
+                    steady.append(each)
                 else:
                     timed.append((timer.due, each.order, each))
         except BaseException:

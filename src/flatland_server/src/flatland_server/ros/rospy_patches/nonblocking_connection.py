@@ -17,6 +17,7 @@ that waits for it in one call.
 """
 
 import os
+import socket
 from typing import Any, Dict, List, Optional
 
 import rospy
@@ -36,6 +37,13 @@ MOST = 10
 """Messages of a connection that are held back at most, but for those of one step.
 
 Subscribers with shorter queues may lose some of them, as they may when steps follow fast anyway.
+"""
+
+BUFFER = 64 * 1024
+"""Bytes that the system keeps for a subscriber, twice, before its socket counts as full.
+
+Linux would let them grow to megabytes. A subscriber that messages flood, as at full speed with a
+hundred robots, would read what is long past, and connect to other topics after a minute.
 """
 
 _CONNECTION = "rospy.impl.tcpros_pubsub:QueuedConnection"
@@ -100,6 +108,7 @@ class NonblockingConnection(QueuedConnection):
     """A connection to a subscriber, with the interface that rospy's publishers use."""
 
     def __init__(self, connection: Any, queue_size: int) -> None:
+        connection.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER)
         self.queue = SubscriberQueue(connection.socket.fileno(), queue_size)
         super().__init__(connection, queue_size)
 
