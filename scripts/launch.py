@@ -42,6 +42,8 @@ from flatland_server.exceptions import FlatlandError  # noqa: E402
 from flatland_server.ros.launch_arguments import check_launch_arguments  # noqa: E402
 
 SERVER = "flatland_server"
+WINDOW = "flatland_viz"
+OPEN_AGAIN = "source devel/setup.bash; rosrun flatland_viz flatland_viz"
 _LIMIT = 3.0  # s, for an answer
 _REFUSED = re.compile(r"REQUIRED process .*exit code 1,", re.DOTALL)
 
@@ -63,6 +65,8 @@ class Launch(roslaunch.parent.ROSLaunchParent, ProcessListener):
         self.pm.add_process_listener(self)
 
     def process_died(self, process_name, exit_code):
+        if exit_code and process_name.startswith(WINDOW):
+            print(f"run: the window has ended; the simulation goes on. Open it again: {OPEN_AGAIN}")
         if exit_code and self.pm.get_process(process_name).required:
             Launch.exit_code = exit_code if exit_code > 0 else 128 - exit_code  # as a shell has it
 

@@ -8,6 +8,8 @@ of a message, walls hit by a scan. `--check` lists the figures that are out of d
 
 import ast
 import re
+import shutil
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -261,6 +263,7 @@ def render_tutorials() -> None:
         for tutorial, world, options in (
             ("world", "rooms.world", {"sensors": True}),
             ("robot", "world", {"sensors": True}),
+            ("own_node", "", {}),
             ("people_and_doors", "people.world", {"names": True}),
         ):
             for block in blocks_of(page / f"{tutorial}.md"):
@@ -268,6 +271,12 @@ def render_tutorials() -> None:
                     (folder / block.file).write_text(block.text)
                 elif block.language == "python" and tutorial == "world":
                     exec(block.text.replace('"map.png"', f'"{folder}/map.png"'))
+                elif "way.png" in block.text:
+                    run = [sys.executable, "-c", block.text]
+                    subprocess.run(run, cwd=folder, check=True, stdout=subprocess.DEVNULL)
+                    shutil.move(folder / "way.png", IMAGES / "tutorial_way.png")
+            if not world:
+                continue
             with Simulation(folder / f"{world}.yaml", seed=2) as simulation:
                 if tutorial == "people_and_doors":
                     simulation.publish("/door/tween_trigger", messages.get("std_msgs/Bool")(True))

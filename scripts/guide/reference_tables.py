@@ -104,7 +104,7 @@ def _arguments(file: str, rows: str) -> str:
     for each in root.findall("arg"):
         if each.get("value") is None:
             default = each.get("default")
-            shown = "**required**" if default is None else f"`{default}`" if default else ""
+            shown = "**required**" if default is None else f"`{default}`" if default.strip() else ""
             text += f"| `{each.get('name')}` | {shown} | {each.get('doc', '')} |\n"
     return text.replace("|  |", "| |")
 

@@ -1,7 +1,9 @@
 """Bash completion, which setup.bash brings: what the Tab key offers."""
 
 import os
+import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -60,3 +62,22 @@ def test_tab_offers_arguments_values_commands_options_and_worlds(offers, tmp_pat
     found = offers(expected, cwd=tmp_path)
 
     assert found == {line: set(words.split()) for line, words in expected.items()}
+
+
+def flatland(*arguments):
+    return subprocess.run(
+        [sys.executable, "-m", "flatland2d", *arguments], stdout=subprocess.PIPE, text=True
+    )
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh"])
+def test_a_script_for_shells_without_ros_is_printed(shell, tmp_path):
+    result = flatland("--print-completion", shell)
+
+    assert result.returncode == 0
+    for word in ("check", "sweep", "--step-size"):
+        assert word in result.stdout
+    if shutil.which(shell):
+        file = tmp_path / "_flatland"
+        file.write_text(result.stdout)
+        subprocess.run([shell, "-n", str(file)], check=True)

@@ -226,11 +226,12 @@ def test_the_other_keys(view):
     corner = (round(view.left) - 300, round(view.top) - 300)
     view.key("h")
     wait_until(lambda: view.picture("help")[corner[1], corner[0]].min() > 240, "the help")
-    view.key("h")
+    view.key("Escape")
+    wait_until(lambda: view.picture("help")[corner[1], corner[0]].min() <= 240, "its end")
 
     view.key("p")
     wait_until((view.folder / "flatland_1.png").is_file, "the picture")
 
-    view.key("Escape")
+    view.key("ctrl+q")
     assert view.process.wait(LIMIT) == 0
     assert view.process.stderr.read() == ""

@@ -5,6 +5,7 @@ import os
 import pty
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import termios
@@ -122,6 +123,29 @@ def test_robots_drive_while_a_key_is_held_and_stop_after_it(typist):
     typist.wait_for_speed("/r10/odometry/filtered", -0.01, 0.01)
     assert termios.tcgetattr(typist.terminal) == typist.mode
     assert "Traceback" not in typist.shown
+
+
+def test_ctrl_c_while_it_waits_for_the_master_leaves_no_traceback():
+    with socket.socket() as silent:  # accepts connections, and never answers
+        silent.bind(("127.0.0.1", 0))
+        silent.listen()
+        silent.settimeout(60)
+        controller, terminal = pty.openpty()
+        process = subprocess.Popen(
+            [executable("flatland_teleop", "teleop_keyboard")],
+            stdin=terminal,
+            stdout=terminal,
+            stderr=subprocess.PIPE,
+            env={**os.environ, "ROS_MASTER_URI": f"http://127.0.0.1:{silent.getsockname()[1]}"},
+        )
+        connection, _ = silent.accept()
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+        connection.close()
+    os.close(controller)
+    os.close(terminal)
+    assert process.returncode == -signal.SIGINT
+    assert b"Traceback" not in errors
 
 
 def test_without_a_terminal_it_says_how_to_give_it_one():

@@ -91,13 +91,17 @@ def test_the_timeline_goes_back_and_the_run_goes_on_from_there(window):
     # The state is sent five times a second: the next message may be of before the reset.
     window.waiting(lambda: window.ros.state()["stamp"] < 2.0, "the beginning")
     window.waiting(lambda: window.ros.state()["stamp"] > 3.0, "three seconds")
+    window.ros.call("/pause")
+    window.waiting(lambda: window.says("paused"), "the window to know of them")
+    window.ros.call("/resume")
+    window.waiting(lambda: not window.says("paused"), "the run to go on")
     left, _, right, bottom = window.screen.inside(window.id)
     row = bottom - window.screen.px(27 + 14)  # above the status line
 
     window.screen.click((left + (right - left) // 3, row))
     window.wait_for_state(paused=True)
     past = window.ros.state()
-    assert 0.3 < past["stamp"] < 0.7 * past["history_end"]
+    assert 0.3 < past["stamp"] < 0.7 * past["history_end"], past
     window.waiting(lambda: window.says("paused"), '"paused" in the status line')
     window.screen.picture("window_past")
     window.key("alt+End")
@@ -250,6 +254,97 @@ def test_a_copy_of_a_robot_without_a_namespace_has_one(window):
     assert not topics[0] & topics[1]
     window.ros.call("/delete_model", name="turtlebot_2")
     assert "TF_REPEATED_DATA" not in window.launch.output
+
+
+def is_marked(window):
+    """True if the window's title shows that there are unsaved changes."""
+    window.waiting(lambda: window.screen.windows(r"Flatland - room/world\.yaml\*?"), "the window")
+    return bool(window.screen.windows(r"Flatland - room/world\.yaml\*"))
+
+
+def test_edits_are_marked_undone_redone_and_saved(window):
+    window.world.write_text(WORLD + "# mine\n")
+    window.key("F5")
+    window.press("a")
+    window.wait_for_dialog("Spawn Model")
+    window.screen.key("alt+f", "ctrl+a")
+    window.screen.type(BOX)
+    window.screen.key("alt+n", "ctrl+a")
+    window.screen.type("crate")
+    window.screen.key("Return")
+    window.screen.wait_until_closed("Spawn Model")
+    window.screen.drag([window.map.pixel(x, 1.5) for x in (1.5, 2.5)])
+    window.wait_for_models("turtlebot", "crate")
+    window.waiting(lambda: is_marked(window), "the mark")
+    window.key("ctrl+z")
+    window.wait_for_models("turtlebot")
+    window.waiting(lambda: not is_marked(window), "no mark")
+    window.key("ctrl+shift+z")
+    window.wait_for_models("turtlebot", "crate")
+    window.screen.drag([window.map.pixel(1.5, 1.5), window.map.pixel(1.0, 1.5)])
+    window.waiting(lambda: abs(window.ros.pose("crate")[0] - 1.0) < 0.1, "the drag")
+    window.screen.picture("window_unsaved")
+
+    window.key("alt+F4")
+    window.wait_for_dialog("Flatland")
+    window.screen.picture("window_question")
+    window.screen.key("Escape")
+    window.screen.wait_until_closed("Flatland")
+    window.key("ctrl+s")
+    window.waiting(lambda: not is_marked(window), "the file to be saved")
+
+    text = window.world.read_text()
+    assert text.startswith(WORLD)
+    assert text.endswith("# mine\n")
+    assert "{name: crate, model: " in text
+    window.key("F5")
+    window.wait_for_models("turtlebot", "crate")
+    assert window.ros.pose("crate")[0] == pytest.approx(1.0, abs=0.1)
+    window.world.write_text(WORLD)
+    window.key("F5")
+    window.wait_for_models("turtlebot")
+
+
+def lowest_text(window):
+    """The lowest text in the panel of models, which is that of a topic."""
+    _, top, right, bottom = window.screen.inside(window.id)
+    bottom -= window.screen.px(60)  # the status line, and the timeline
+    columns = slice(right - window.screen.px(240), right - window.screen.px(60))
+    area = window.screen.picture("window_topics")[top:bottom, columns].astype(int)
+    is_text = abs(area - np.median(area, axis=(0, 1))).max(axis=2) > 100
+    return columns.start + window.screen.px(20), top + np.nonzero(is_text.any(axis=1))[0].max() - 3
+
+
+def test_the_way_of_a_robot_is_drawn_and_its_topics_are_plotted(window):
+    window.ros.call("/reset", restart_time=True)
+    window.screen.focus(window.id)
+    window.screen.click(window.map.pixel(0.0, 0.0))
+
+    def line():
+        pixels = window.screen.picture("window_trail")
+        view = pixels[window.screen.view(pixels)]
+        return sum(near(view, color, 20).sum() for color in ((0, 115, 178), (230, 158, 0)))
+
+    before = line()
+    window.key("t")
+    driver = window.ros.start(
+        "rostopic", "pub", "-r", "10", "/cmd_vel", "geometry_msgs/Twist", "{linear: {x: 0.3}}"
+    )
+    try:
+        window.waiting(lambda: line() > before + 100, "the way")
+        window.screen.move(lowest_text(window))
+        window.screen.xdotool("click", "--repeat", 2, "--delay", 50, 1)
+        plot = window.screen.wait_for_window("Plot: .*")
+
+        def curve():
+            return near(window.screen.picture_of(plot, "window_plot"), (0, 114, 178), 30).sum()
+
+        window.waiting(lambda: curve() > 200, "a curve")
+        window.screen.xdotool("windowclose", plot)
+    finally:
+        window.ros.end(driver)
+    window.key("t")
+    window.waiting(lambda: line() <= before + 20, "no way")
 
 
 @pytest.fixture
@@ -418,6 +513,7 @@ def test_after_a_crash_of_the_window_the_simulation_goes_on(window):
     [line] = [line for line in launch.output.splitlines() if "process has died" in line]
     assert "[flatland_viz-" in line
     assert "exit code -11" in line
+    launch.wait_for("rosrun flatland_viz flatland_viz")
     window.screen.wait_until_closed(TITLE)
     before = window.ros.clock()
     window.waiting(lambda: window.ros.clock() > before + 0.2, "simulated time to go on")

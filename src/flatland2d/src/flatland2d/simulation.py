@@ -24,6 +24,7 @@ from flatland2d.world_source import WorldSource, open_world
 from flatland_server import _core
 from flatland_server.arguments import folders_of, params_of, several, shown, whole_number
 from flatland_server.arrays import FloatArray, PoseLike, UInt8Array
+from flatland_server.canvas import Points
 from flatland_server.exceptions import ModelError, UsageError, listed, shortened, suggestion
 from flatland_server.models.model import Model
 from flatland_server.plugins.plugin_loader import PluginLoader
@@ -291,6 +292,7 @@ class Simulation(SimulatedTopics):
         width: float = 10.0,
         sensors: bool = False,
         names: bool = False,
+        trails: Iterable[Points] = (),
     ) -> UInt8Array:
         """A picture of the world as it is now: a new array of shape (height, width, 3).
 
@@ -301,6 +303,7 @@ class Simulation(SimulatedTopics):
             width: of the section of the world that is shown around it [m].
             sensors: whether plugins draw what they measure.
             names: whether the names of the models are written beside them.
+            trails: lines through positions in the world [m], such as ways of robots.
 
         Raises:
             FlatlandError: there is no such model, or the size or the width is not usable.
@@ -309,7 +312,7 @@ class Simulation(SimulatedTopics):
 
         renderer = self._get_renderer()
         view = renderer.view(size, follow=follow, width=width)
-        return to_array(renderer.image(view, sensors=sensors, names=names))
+        return to_array(renderer.image(view, sensors=sensors, names=names, trails=trails))
 
     def save_picture(
         self,
@@ -320,6 +323,7 @@ class Simulation(SimulatedTopics):
         width: float = 10.0,
         sensors: bool = False,
         names: bool = False,
+        trails: Iterable[Points] = (),
     ) -> None:
         """Writes a picture into a file.
 
@@ -330,6 +334,7 @@ class Simulation(SimulatedTopics):
             width: as for `render`.
             sensors: as for `render`.
             names: as for `render`.
+            trails: as for `render`.
 
         Raises:
             FlatlandError: as for `render`; or the file cannot be written, or its kind is not known.
@@ -338,7 +343,7 @@ class Simulation(SimulatedTopics):
 
         renderer = self._get_renderer()
         view = renderer.view(size, follow=follow, width=width)
-        save(Path(path), renderer, view, sensors=sensors, names=names)
+        save(Path(path), renderer, view, sensors=sensors, names=names, trails=trails)
 
     def plot(
         self,

@@ -17,6 +17,7 @@ from flatland_server.messages.message_types import get
 from flatland_server.messages.service_types import ServiceType
 from flatland_server.messages.service_types import get as get_service
 from flatland_server.real_time_timer import RealTimeTimer
+from flatland_server.serving.client_edits import ClientEdits
 from flatland_server.serving.client_files import ClientFiles
 from flatland_server.serving.map_to_odom import FRAME_ID, MapToOdom
 from flatland_server.serving.model_marker_publisher import ModelMarkerPublisher
@@ -26,6 +27,7 @@ from flatland_server.serving.service_host import Action, ServiceHost, answer
 from flatland_server.serving.state_publisher import StatePublisher
 from flatland_server.serving.state_services import StateServices
 from flatland_server.serving.wall_visualization import WallVisualization
+from flatland_server.serving.world_saving import WorldSaving
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.transport.serialized_transforms import TransformQueue
 from flatland_server.transport.tap import Tap
@@ -67,15 +69,17 @@ class SimulatedGraph(Graph, Tap):
         self._transforms = TransformQueue()
         world = manager.world
         self._walls = WallVisualization(world.layers, FRAME_ID, self._transport)
+        edits = ClientEdits(world)
         publishers = (
             ModelPublisher(manager, _VIEW_RATE),
             ModelMarkerPublisher(world, _VIEW_RATE, FRAME_ID),
-            StatePublisher(manager),
+            StatePublisher(manager, edits),
             MapToOdom(self._transport, lambda: world.odometry_frames),
         )
         files = _WorldsByName(world, state_folder or world.config.model_folders[0])
-        ModelServices(world, self._host, files)
+        ModelServices(world, self._host, files, edits)
         StateServices(manager, self._host, files, _CONTROL_PERIOD)
+        WorldSaving(manager, self._host, files, edits)
         standard = SimulationInterfaces(manager, self._host, self._host.actions)
         for name, (kind, action) in standard.actions.items():
             self._host.add(name, kind, action)
@@ -203,14 +207,14 @@ class _Host(ServiceHost):
 
     Args:
         transport: hands calls over to the simulation's thread.
-        with_states: whether clients may save and load states.
+        with_states: whether clients may save and load states, and save worlds.
     """
 
     def __init__(self, transport: SharedTransport, *, with_states: bool) -> None:
         self.actions: Dict[str, Action] = {}
         self.services: Dict[str, ServiceType] = {}
         self._transport = transport
-        self._refused = () if with_states else ("save_state", "load_state")
+        self._refused = () if with_states else ("save_state", "load_state", "save_world")
 
     def offer(self, name: str, type_name: str, action: Action) -> None:
         if name not in self._refused:

@@ -2,27 +2,9 @@
 
 from typing import Dict, NamedTuple
 
+from flatland_teleop.driving_keys import DIRECTIONS, SLOW, direction
 from flatland_teleop.keys import KeyEvent
 
-
-class Direction(NamedTuple):
-    """The direction of a key, in parts of the speed: x forwards, y to the left, yaw to the left."""
-
-    x: int = 0
-    y: int = 0
-    yaw: int = 0
-
-
-DIRECTIONS: Dict[str, Direction] = {
-    **dict.fromkeys(("up", "w"), Direction(x=1)),
-    **dict.fromkeys(("down", "s"), Direction(x=-1)),
-    **dict.fromkeys(("left", "a"), Direction(yaw=1)),
-    **dict.fromkeys(("right", "d"), Direction(yaw=-1)),
-    "q": Direction(x=1, yaw=1),
-    "e": Direction(x=1, yaw=-1),
-    "A": Direction(y=1),
-    "D": Direction(y=-1),
-}
 STOPS = (" ", "focus_out")
 _FACTORS = {
     "+": (1.1, 1.1),
@@ -69,6 +51,7 @@ class Driving:
         self._first_timeout = first_timeout
         self._repeat_timeout = repeat_timeout
         self._held: Dict[str, float] = {}  # time until which each key counts as held
+        self._is_slow = False
 
     def on_key(self, event: KeyEvent, now: float) -> None:
         """Takes a key.
@@ -77,6 +60,8 @@ class Driving:
             event: a press or release; keys without a meaning change nothing.
             now: the time [s], of any clock that does not jump.
         """
+        if event.key in DIRECTIONS:
+            self._is_slow = event.has_shift
         if event.is_release:
             self._held.pop(event.key, None)
         elif event.key in DIRECTIONS:
@@ -103,8 +88,7 @@ class Driving:
     def command(self, now: float) -> Command:
         """The command at a time [s]; zeros if no key is held."""
         self._held = {key: until for key, until in self._held.items() if until > now}
-        x, y, yaw = (
-            max(-1, min(1, sum(parts)))
-            for parts in zip(Direction(), *(DIRECTIONS[key] for key in self._held))
-        )
-        return Command(x * self.speed, y * self.speed, yaw * self.turn)
+        factor = SLOW if self._is_slow else 1.0
+        speed, turn = factor * self.speed, factor * self.turn
+        wanted = direction(self._held)
+        return Command(wanted.forwards * speed, wanted.left * speed, wanted.turn * turn)

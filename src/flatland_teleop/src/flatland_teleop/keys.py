@@ -26,15 +26,19 @@ _UNFINISHED = re.compile(r"\x1b(?:\[[0-9;:]*|O)?")
 class KeyEvent(NamedTuple):
     """A key: a character, or "up", "down", "left", "right", "tab", "quit", "focus_out".
 
+    Letters are small ones.
+
     Attributes:
         key: which one.
         is_release: whether it was released; otherwise it was pressed, or is still held.
         has_releases: whether the terminal sends its release, too.
+        has_shift: whether Shift is held; only for letters and arrows.
     """
 
     key: str
     is_release: bool = False
     has_releases: bool = False
+    has_shift: bool = False
 
 
 class KeyDecoder:
@@ -64,7 +68,9 @@ def _plain_event(character: str) -> Optional[KeyEvent]:
         return KeyEvent("quit")
     if character == "\t":
         return KeyEvent("tab")
-    return KeyEvent(character) if character.isprintable() else None
+    if not character.isprintable():
+        return None
+    return KeyEvent(character.lower(), has_shift=character.isupper())
 
 
 def _escape_event(match: "re.Match[str]") -> Optional[KeyEvent]:
@@ -83,7 +89,11 @@ def _escape_event(match: "re.Match[str]") -> Optional[KeyEvent]:
         name = _protocol_key(int(fields[0][0] or 0), modifiers)
     else:
         name = _ARROWS.get(match["end"])
-    return KeyEvent(name, kind == _RELEASE, is_protocol) if name else None
+    if name is None:
+        return None
+    is_directed = name in _ARROWS.values() or (name.isalpha() and len(name) == 1)
+    has_shift = is_directed and bool(modifiers & _SHIFT)
+    return KeyEvent(name, kind == _RELEASE, is_protocol, has_shift)
 
 
 def _protocol_key(code: int, modifiers: int) -> Optional[str]:
@@ -93,4 +103,4 @@ def _protocol_key(code: int, modifiers: int) -> Optional[str]:
         return "tab"
     if not 32 <= code < 0xE000 or not chr(code).isprintable():
         return None  # escape, enter, modifiers and the like
-    return chr(code).upper() if modifiers & _SHIFT else chr(code)
+    return chr(code)

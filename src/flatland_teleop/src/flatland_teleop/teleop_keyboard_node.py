@@ -7,6 +7,7 @@ import sys
 import threading
 import time
 import xmlrpc.client
+from itertools import zip_longest
 from typing import Any, List
 
 import rosgraph
@@ -14,6 +15,7 @@ import rospy
 from geometry_msgs.msg import Twist
 
 from flatland_teleop.driving import Command, Driving
+from flatland_teleop.driving_keys import HELP
 from flatland_teleop.keys import KeyDecoder, KeyEvent
 from flatland_teleop.robots import RobotTopic, next_topic, robot_topics
 from flatland_teleop.terminal import Terminal
@@ -21,11 +23,29 @@ from flatland_teleop.terminal import Terminal
 _PERIOD = 0.05  # s: between commands while a key is held
 _POLL_PERIOD = 1.0  # s: between questions to the master
 
-KEYS = """\
-        w/up           drive: w a s d or the arrow keys      space  stop
-  a/left s/down d/right      q, e  forwards in a curve       + -    faster, slower
-                             A, D  sideways                  . ,    turn faster, slower
-                             Tab   the next robot            Ctrl-C quit"""
+_COMMANDS = (
+    ("space", "stop"),
+    ("+ -", "faster, slower"),
+    (". ,", "turn faster, slower"),
+    ("Tab", "the next robot"),
+    ("Ctrl-C", "quit"),
+)
+
+
+def help_lines() -> List[str]:
+    """The keys and what they do, in two columns."""
+    driving, commands = (
+        [f"  {key:{width}}{text}" for key, text in rows]
+        for rows, width in ((HELP, 16), (_COMMANDS, 8))
+    )
+    left_width = max(map(len, driving))
+    return [
+        f"{left:{left_width}}{right}".rstrip()
+        for left, right in zip_longest(driving, commands, fillvalue="")
+    ]
+
+
+_KEYS = help_lines()
 
 
 class TeleopKeyboard:
@@ -122,7 +142,7 @@ class TeleopKeyboard:
         elif here[0].publishers:
             state += f"   {', '.join(here[0].publishers)} also publishes on it"
         return [
-            *KEYS.splitlines(),
+            *_KEYS,
             "",
             state,
             f"  speed {self._driving.speed:.2f} m/s, turning {self._driving.turn:.2f} rad/s"

@@ -19,14 +19,22 @@ def driving():
         ("down", Command(x=-1)),
         ("a", Command(yaw=2)),
         ("right", Command(yaw=-2)),
-        ("q", Command(x=1, yaw=2)),
-        ("D", Command(y=-1)),
+        ("q", Command(y=1)),
+        ("e", Command(y=-1)),
         ("z", Command()),
     ],
 )
 def test_keys_drive(driving, key, command):
     driving.on_key(KeyEvent(key), now=10.0)
     assert driving.command(10.0) == command
+
+
+def test_shift_drives_half_as_fast_until_it_is_released(driving):
+    driving.on_key(KeyEvent("w", has_releases=True, has_shift=True), now=0.0)
+    driving.on_key(KeyEvent("a", has_releases=True, has_shift=True), now=0.0)
+    assert driving.command(0.0) == Command(x=0.5, yaw=1)
+    driving.on_key(KeyEvent("w", is_release=True, has_releases=True), now=0.1)
+    assert driving.command(0.1) == Command(yaw=2)
 
 
 def test_a_key_that_came_once_is_held_until_the_terminal_would_have_repeated_it(driving):

@@ -22,7 +22,10 @@ def keys(*pieces):
         ("\x1b[119;1:1u", KeyEvent("w", has_releases=True)),
         ("\x1b[119u", KeyEvent("w", has_releases=True)),
         ("\x1b[119;1:3u", KeyEvent("w", is_release=True, has_releases=True)),
-        ("\x1b[97;2u", KeyEvent("A", has_releases=True)),
+        ("\x1b[97;2u", KeyEvent("a", has_releases=True, has_shift=True)),
+        ("A", KeyEvent("a", has_shift=True)),
+        ("\x1b[1;2A", KeyEvent("up", has_shift=True)),
+        ("\x1b[1;2:1A", KeyEvent("up", has_releases=True, has_shift=True)),
         ("\x1b[1;1:3A", KeyEvent("up", is_release=True, has_releases=True)),
         ("\x1b[99;5u", KeyEvent("quit", has_releases=True)),  # Ctrl-C
         ("\x1b[9u", KeyEvent("tab", has_releases=True)),

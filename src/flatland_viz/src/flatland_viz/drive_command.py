@@ -4,14 +4,7 @@ from typing import AbstractSet, Dict, NamedTuple, Tuple
 
 from python_qt_binding.QtCore import Qt
 
-
-class Command(NamedTuple):
-    """A direction to drive in, as parts of the greatest speeds: each from -1 to 1."""
-
-    forwards: float = 0.0
-    left: float = 0.0
-    turn: float = 0.0
-    """Positive counter-clockwise."""
+from flatland_teleop.driving_keys import DIRECTIONS, Direction, direction
 
 
 class Speeds(NamedTuple):
@@ -23,29 +16,15 @@ class Speeds(NamedTuple):
     """Greatest yaw rate [rad/s], or the steering angle of a tricycle [rad]."""
 
 
+Command = Direction
 STOP = Command()
-SLOW = 0.5
-"""Factor of the speeds while Shift is held."""
-
-KEYS: Dict[int, Command] = {
-    Qt.Key_Up: Command(forwards=1.0),
-    Qt.Key_Down: Command(forwards=-1.0),
-    Qt.Key_Left: Command(turn=1.0),
-    Qt.Key_Right: Command(turn=-1.0),
-    Qt.Key_W: Command(forwards=1.0),
-    Qt.Key_S: Command(forwards=-1.0),
-    Qt.Key_A: Command(turn=1.0),
-    Qt.Key_D: Command(turn=-1.0),
-    Qt.Key_Q: Command(left=1.0),
-    Qt.Key_E: Command(left=-1.0),
-}
-"""The command of each key."""
+KEYS: Dict[int, str] = {getattr(Qt, f"Key_{key.capitalize()}"): key for key in DIRECTIONS}
+"""The name of each of Qt's keys that drive."""
 
 
 def of_keys(held: AbstractSet[int]) -> Command:
-    """The command of keys that are held down together; opposite ones cancel each other."""
-    commands = [KEYS[key] for key in held]
-    return Command(*(max(-1.0, min(1.0, sum(part))) for part in zip(STOP, *commands)))
+    """The command of keys that are held down together."""
+    return direction(KEYS[key] for key in held)
 
 
 def of_pad(right: float, up: float) -> Command:

@@ -18,7 +18,8 @@ from python_qt_binding.QtWidgets import (
     QWidget,
 )
 
-from flatland_viz.drive_command import KEYS, SLOW, Command, Speeds, of_keys, of_pad, velocity
+from flatland_teleop.driving_keys import HELP, SLOW
+from flatland_viz.drive_command import KEYS, Command, Speeds, of_keys, of_pad, velocity
 from flatland_viz.drive_pad import DrivePad
 from flatland_viz.drive_publisher import DrivePublisher
 from flatland_viz.drive_robots import Robot, robots_of
@@ -76,7 +77,9 @@ class DrivePanel(QDockWidget):
         self._turn = self._spin_box(_TURN, 1.0, 0.1, 20.0, " rad/s")
         self._turn_label = QLabel("Turn")
         self._now = QLabel(objectName="drive_now")
-        self._keys = QLabel("Arrows or W A S D; Shift: slowly")
+        self._keys = QLabel(f"{HELP[0][0]}; {HELP[2][0]}: {HELP[2][1]}")
+        self._keys.setWordWrap(True)  # it must not widen the panel
+        self._keys.setAlignment(Qt.AlignHCenter)
         font = self._keys.font()
         font.setPointSizeF(0.9 * font.pointSizeF())
         self._keys.setFont(font)
@@ -92,7 +95,7 @@ class DrivePanel(QDockWidget):
         layout.addLayout(form)
         layout.addWidget(self._pad, 0, Qt.AlignHCenter)
         layout.addWidget(self._now, 0, Qt.AlignHCenter)
-        layout.addWidget(self._keys, 0, Qt.AlignHCenter)
+        layout.addWidget(self._keys)
         layout.addStretch()
         area = QScrollArea()  # on a small screen
         area.setFrameShape(QScrollArea.NoFrame)

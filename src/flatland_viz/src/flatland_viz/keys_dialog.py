@@ -16,6 +16,7 @@ from python_qt_binding.QtWidgets import (
     QVBoxLayout,
 )
 
+from flatland_teleop.driving_keys import HELP
 from flatland_viz.window_size import first_size
 
 Rows = List[Tuple[str, str]]
@@ -27,11 +28,7 @@ MOUSE: Rows = [
     ("drag elsewhere", "moves the map; with Ctrl, turns it"),
     ("wheel", "zooms at the cursor"),
 ]
-DRIVING: Rows = [
-    ("arrows, W A S D", "drive, while the Drive panel is open"),
-    ("Q, E", "to the left and right, for drives that can"),
-    ("Shift", "half as fast"),
-]
+DRIVING: Rows = list(HELP)
 
 
 def rows_of(menu: QMenu) -> Rows:

@@ -46,6 +46,8 @@ class Menus(QObject):
     other_world_asked = Signal()
     reload_asked = Signal()
     world_reset_asked = Signal()
+    save_asked = Signal()
+    save_as_asked = Signal()
     step_asked = Signal()
     steps_asked = Signal()
     seek_asked = Signal(float)
@@ -101,6 +103,14 @@ class Menus(QObject):
         self.reset.setToolTip("Start again: the world as it was loaded, at time 0 (Ctrl+R)")
         self._with_server = [opens, self._recent, reload, self.reset]
         menu.addSeparator()
+        self.save = self._action(menu, "Sa&ve", "action_save", self.save_asked.emit, "Ctrl+S")
+        self.save.setToolTip("Moved, spawned and deleted models, into the world's file (Ctrl+S)")
+        save_as = self._action(
+            menu, "Save &as...", "action_save_as", self.save_as_asked.emit, "Ctrl+Shift+S"
+        )
+        save_as.setToolTip("The same, into a new file")
+        self._with_server.append(save_as)
+        menu.addSeparator()
         self._spawn = self._action(
             menu, "S&pawn model...\tA", "action_spawn", self.spawn_asked.emit
         )
@@ -110,7 +120,7 @@ class Menus(QObject):
             "Save s&creenshot...",
             "action_screenshot",
             self.screenshot_asked.emit,
-            "Ctrl+S",
+            "Ctrl+P",
         )
         self._action(
             menu, "Show the &whole world", "action_reset_view", self.reset_asked.emit, "Home"

@@ -8,7 +8,7 @@ from python_qt_binding.QtCore import QObject, Signal
 from python_qt_binding.QtGui import QCursor, QKeySequence
 from python_qt_binding.QtWidgets import QAction, QApplication, QDialog, QMenu, QWidget
 
-from flatland_viz.interaction import Interaction
+from flatland_viz.interaction import Interaction, Spawned
 from flatland_viz.model_list import Model, free_name, namespace_of_copy
 from flatland_viz.move_dialog import MoveDialog
 from flatland_viz.selection import Selection
@@ -60,10 +60,12 @@ class ModelActions(QObject):
         self.duplicate = self._action("Dup&licate", "duplicate", self._duplicate, "Ctrl+D")
         self.delete = self._action("D&elete", "delete", self._delete, "Delete")
         self.undo = self._action("&Undo", "undo", self._undo_last, "Ctrl+Z")
+        self.redo = self._action("&Redo", "redo", self._redo_last, "Ctrl+Shift+Z")
         self._menu = QMenu(window, objectName="menu_model")
         self.fill(self._menu)
         selection.changed.connect(self._show)
         interaction.moved.connect(self._note_move)
+        interaction.spawned.connect(self._note_spawn)
         interaction.menu_asked.connect(lambda name: self._menu.popup(QCursor.pos()))
         self._show()
 
@@ -76,6 +78,11 @@ class ModelActions(QObject):
             action.setToolTip(f"{text.replace('&', '').rstrip('.')} ({key})")
         self._window.addAction(action)
         return action
+
+    @property
+    def has_edited(self) -> bool:
+        """True if there is something to undo."""
+        return bool(self._undo.text)
 
     @property
     def all(self) -> Tuple[QAction, ...]:
@@ -126,8 +133,12 @@ class ModelActions(QObject):
         self.drive.setEnabled(model is not None and bool(model.command_topic))
         self.duplicate.setEnabled(model is not None and bool(model.file))
         self.follow.setChecked(model is not None and self._followed == model.name)
-        self.undo.setEnabled(bool(self._undo.text))
-        self.undo.setText(f"&Undo: {self._undo.text}" if self._undo.text else "&Undo")
+        for action, word, text in (
+            (self.undo, "&Undo", self._undo.text),
+            (self.redo, "&Redo", self._undo.redo_text),
+        ):
+            action.setEnabled(bool(text))
+            action.setText(f"{word}: {text}" if text else word)
 
     def _set_followed(self, name: str) -> None:
         self._followed = name
@@ -162,13 +173,25 @@ class ModelActions(QObject):
             self._move(name, pose, dialog.pose)
 
     def _move(self, name: str, before: Pose, pose: Pose) -> None:
-        self._server.move(name, pose, partial(self._note_move, name, before))
+        self._server.move(name, pose, partial(self._note_move, name, before, pose))
 
-    def _note_move(self, name: str, before: Pose) -> None:
-        def back() -> None:
-            self._server.move(name, before, _nothing)
+    def _note_move(self, name: str, before: Pose, pose: Pose) -> None:
+        move = self._server.move
+        self._push(
+            Undoable(
+                f"Move {name}",
+                partial(move, name, before, _nothing),
+                partial(move, name, pose, _nothing),
+            )
+        )
 
-        self._push(Undoable(f"Move {name}", back))
+    def _note_spawn(self, model: Spawned, verb: str = "Spawn") -> None:
+        delete = partial(self._server.delete, model.name, _nothing)
+        self._push(Undoable(f"{verb} {model.name}", delete, partial(self._restore, model)))
+
+    def _restore(self, model: Spawned) -> None:
+        then = partial(self._selection.select, model.name)
+        self._server.spawn(model.file, model.name, model.namespace, model.pose, then)
 
     def _duplicate(self) -> None:
         model, pose = self._model, self._pose
@@ -180,13 +203,13 @@ class ModelActions(QObject):
         x = pose[0] + by * math.sin(pose[2])
         y = pose[1] - by * math.cos(pose[2])
 
+        copy = Spawned(name, namespace, model.file, (x, y, pose[2]))
+
         def spawned() -> None:
             self._selection.select(name)
-            self._push(
-                Undoable(f"Duplicate {model.name}", lambda: self._server.delete(name, _nothing))
-            )
+            self._note_spawn(copy, "Duplicate")
 
-        self._server.spawn(model, name, namespace, (x, y, pose[2]), spawned)
+        self._server.spawn(model.file, name, namespace, copy.pose, spawned)
 
     def _delete(self) -> None:
         model, pose = self._model, self._pose
@@ -196,17 +219,9 @@ class ModelActions(QObject):
         def deleted() -> None:
             self.hint.emit(f"Deleted {model.name}.")
             if model.file and pose is not None:
-                self._push(Undoable(f"Delete {model.name}", restore))
-
-        def restore() -> None:
-            assert pose is not None
-            self._server.spawn(
-                model,
-                model.name,
-                model.namespace,
-                pose,
-                partial(self._selection.select, model.name),
-            )
+                former = Spawned(model.name, model.namespace, model.file, pose)
+                again = partial(self._server.delete, model.name, _nothing)
+                self._push(Undoable(f"Delete {model.name}", partial(self._restore, former), again))
 
         self._server.delete(model.name, deleted)
 
@@ -218,6 +233,12 @@ class ModelActions(QObject):
         text = self._undo.undo()
         if text:
             self.hint.emit(f"Undone: {text}")
+        self._show()
+
+    def _redo_last(self) -> None:
+        text = self._undo.redo()
+        if text:
+            self.hint.emit(f"Done again: {text}")
         self._show()
 
 

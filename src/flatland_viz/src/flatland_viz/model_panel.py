@@ -30,6 +30,7 @@ from flatland_viz.interaction import Interaction
 from flatland_viz.labels import ElidedLabel, QuietLabel, SelectableLabel, quiet
 from flatland_viz.model_actions import ModelActions
 from flatland_viz.model_list import Model, Topic, sorted_topics
+from flatland_viz.plot_launcher import HINT, offer_plots
 from flatland_viz.selection import Selection
 from flatland_viz.topic_monitor import Reading, TopicMonitor
 from flatland_viz.topic_values import position, velocity
@@ -211,6 +212,7 @@ class _Details(QWidget):
         header.setStretchLastSection(False)
         header.setSectionResizeMode(0, QHeaderView.Stretch)
         header.setSectionResizeMode(1, QHeaderView.ResizeToContents)
+        offer_plots(self._topics)
         rows.addWidget(self._topics, 1)
         rows.addStretch(0)  # takes the place of hidden topics
         self.show_model(None)
@@ -246,7 +248,7 @@ class _Details(QWidget):
         self._topics.clear()
         for topic in topics:
             item = QTreeWidgetItem([_short(topic.name, model.namespace), "..."])
-            item.setToolTip(0, f"{topic.name}\n{topic.type}\n{_direction(topic)}")
+            item.setToolTip(0, f"{topic.name}\n{topic.type}\n{_direction(topic)}\n{HINT}")
             item.setData(0, Qt.UserRole, topic.name)
             item.setTextAlignment(1, Qt.AlignRight | Qt.AlignVCenter)
             self._topics.addTopLevelItem(item)

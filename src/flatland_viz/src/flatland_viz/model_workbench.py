@@ -3,6 +3,7 @@
 import json
 from typing import Dict
 
+import rospy
 from python_qt_binding.QtCore import QObject, Qt
 from python_qt_binding.QtWidgets import QMainWindow, QMenu
 
@@ -16,6 +17,7 @@ from flatland_viz.selection import Selection
 from flatland_viz.server import Server
 from flatland_viz.status import Simulation
 from flatland_viz.status_line import StatusLine
+from flatland_viz.trail_display import TrailDisplay
 from flatland_viz.view_switches import ViewSwitches
 
 
@@ -40,8 +42,9 @@ class ModelWorkbench(QObject):
     ) -> None:
         super().__init__(window)
         self._scene = scene
+        self._selection = selection
         self._models: Dict[str, Model] = {}
-        interaction = Interaction(scene.interact_tool, selection)
+        interaction = Interaction(scene.interact_tool, scene.spawn_tool, selection)
         self._actions = ModelActions(window, server, selection, interaction, scene.follow)
         self._actions.hint.connect(line.show_hint)
         self._actions.followed.connect(line.show_followed)
@@ -59,7 +62,7 @@ class ModelWorkbench(QObject):
         bar, view = window.menuBar(), window.findChild(QMenu, "menu_view")
         menu = QMenu("&Model", bar, objectName="menu_models")
         bar.insertMenu(view.menuAction(), menu)
-        menu.addAction(self._actions.undo)
+        menu.addActions([self._actions.undo, self._actions.redo])
         menu.addSeparator()
         self._actions.fill(menu)
         display = self._scene.models
@@ -73,7 +76,14 @@ class ModelWorkbench(QObject):
                 "footprints": lambda on: self._scene.show_kind(FOOTPRINTS, on),
             },
         )
+        states = rospy.resolve_name("flatland_server/model_states")
+        self._trail = TrailDisplay(view, self._scene, self._selection, states)
         view.addAction(self.panel.toggleViewAction())
+
+    @property
+    def has_edited(self) -> bool:
+        """True if models have been changed in this window."""
+        return self._actions.has_edited
 
     def forget(self) -> None:
         """Clears the undo stack: the world has begun again."""
@@ -83,6 +93,7 @@ class ModelWorkbench(QObject):
         self._models = models
         self._actions.set_models(models)
         self.panel.set_models(models)
+        self._trail.set_models(models)
         self._show_colors()
 
     def _on_simulation(self, simulation: Simulation) -> None:

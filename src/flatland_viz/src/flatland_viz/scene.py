@@ -40,6 +40,7 @@ class Scene(QObject):
         super().__init__()
         self._base = base
         self._displays: Dict[Shown, Any] = {}
+        self._extra: Dict[str, Any] = {}
         self._scan_colors: Dict[str, str] = {}
         self._hidden_kinds: Set[str] = set()
         self._walls: Optional[Bounds] = None
@@ -125,6 +126,17 @@ class Scene(QObject):
                 self._follow_walls(display)
             self._apply_switches(shown)
             self._apply_color(shown)
+
+    def show_markers(self, name: str, topic: str) -> None:
+        """Shows the markers of a topic in a display of this name; an empty topic removes it."""
+        display = self._extra.pop(name, None)
+        if display is not None:
+            display.setEnabled(False)
+            self._manager.getRootDisplayGroup().takeDisplay(display).deleteLater()
+        if topic:
+            display = self._manager.createDisplay("rviz/Marker", name, True)
+            display.subProp("Marker Topic").setValue(topic)
+            self._extra[name] = display
 
     def _follow_walls(self, display: Any) -> None:
         """Follows the bounds and the progress that the walls' display reports.
@@ -257,9 +269,14 @@ class Scene(QObject):
         return self._tool(INTERACT_TOOL)
 
     @property
+    def spawn_tool(self) -> Any:
+        """The tool that spawns models; None without it."""
+        return self._tool(SPAWN_TOOL)
+
+    @property
     def can_spawn(self) -> bool:
         """True if the tool that spawns models is available."""
-        tool = self._tool(SPAWN_TOOL)
+        tool = self.spawn_tool
         return tool is not None and _child(tool.getPropertyContainer(), "Model File") is not None
 
     def spawn(self) -> None:

@@ -19,6 +19,7 @@ from flatland_msgs.srv import (
     MoveModel,
     OpenWorld,
     Reset,
+    SaveWorld,
     Seek,
     SpawnModel,
     Step,
@@ -30,7 +31,7 @@ from std_srvs.srv import Empty, Trigger
 
 from flatland_viz.displays import laser_scans
 from flatland_viz.error_text import error_text
-from flatland_viz.model_list import Model, models_of
+from flatland_viz.model_list import models_of
 from flatland_viz.navigation_tools import goal_topics
 from flatland_viz.status import Simulation
 
@@ -131,10 +132,10 @@ class Server(QObject):
         self._call("change_rate", ChangeRate, rate)
 
     def spawn(
-        self, model: Model, name: str, namespace: str, pose: Pose, then: Callable[[], None]
+        self, file: str, name: str, namespace: str, pose: Pose, then: Callable[[], None]
     ) -> None:
-        """Spawns another model of the same file; calls `then` if that succeeds."""
-        self._call("spawn_model", SpawnModel, model.file, name, namespace, Pose2D(*pose), then=then)
+        """Spawns a model of a file; calls `then` if that succeeds."""
+        self._call("spawn_model", SpawnModel, file, name, namespace, Pose2D(*pose), then=then)
 
     def delete(self, name: str, then: Callable[[], None]) -> None:
         """Deletes a model; calls `then` if that succeeds."""
@@ -173,6 +174,17 @@ class Server(QObject):
             done="The world's files are loaded.",
             refused="The files are not loaded",
         )
+
+    def save(self, path: str, then: Optional[Callable[[], None]] = None) -> None:
+        """Saves moved, spawned and deleted models in the world's file, or in a copy of it.
+
+        Args:
+            path: of the copy; empty for the world's own file.
+            then: called if that succeeds.
+        """
+        done = f"Saved {path}" if path else "The world's file is saved."
+        refused = "The world is not saved"
+        self._call("save_world", SaveWorld, path, then=then, done=done, refused=refused)
 
     def open(self, path: str) -> None:
         """Opens another world in place of this one."""
@@ -242,6 +254,7 @@ class Server(QObject):
                 message.real_time_factor,
                 message.history_begin.to_sec(),
                 message.history_end.to_sec(),
+                message.edits,
             ),
         )
 

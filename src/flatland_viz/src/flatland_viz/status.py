@@ -21,6 +21,8 @@ class Simulation(NamedTuple):
     """The first moment that the server can go back to [s]."""
     end: float = 0.0
     """The last one [s]; equal to `begin` if there are none."""
+    edits: int = 0
+    """The number of models that differ from the world's file, by changes of clients."""
 
 
 class Status(NamedTuple):

@@ -38,6 +38,7 @@ from flatland_viz.timeline import Timeline
 from flatland_viz.toolbar import Toolbar, key_of
 from flatland_viz.window_size import first_size
 from flatland_viz.world_files import title
+from flatland_viz.world_saving import WorldSaving
 
 _STEPS = "steps"
 _REFRESH_PERIOD = 200  # ms: of the status line
@@ -93,6 +94,7 @@ class Window(QMainWindow):
         )
         self._workbench = ModelWorkbench(self, server, scene, self.selection, self._line)
         self.tabifyDockWidget(self._workbench.panel, self._drive)  # no room for both at double size
+        self._saving = WorldSaving(self, server, self._menus, lambda: self._workbench.has_edited)
         self._toolbar = Toolbar(scene.toolbar, scene.tools)
         self._toolbar.add(self._menus.step, "step", "Step")
         self._toolbar.add(self._menus.reset, "reset", "Reset")
@@ -120,7 +122,7 @@ class Window(QMainWindow):
         scene.hints.connect(self._line.show_hint)
         scene.walls_progress.connect(lambda percent: self._line.show_progress("walls", percent))
         server.loading_changed.connect(lambda percent: self._line.show_progress("world", percent))
-        menus.world_chosen.connect(server.open)
+        menus.world_chosen.connect(self._open)
         menus.other_world_asked.connect(self._open_other)
         menus.reload_asked.connect(server.reload)
         menus.world_reset_asked.connect(server.reset)
@@ -165,6 +167,7 @@ class Window(QMainWindow):
         self._line.show_status(status(self._simulation, silence))
         simulation = None if is_gone(silence) else self._simulation
         self._menus.show_simulation(simulation)
+        self._saving.show_edits(simulation.edits if simulation is not None else 0)
         self._timeline.show_simulation(simulation)
 
     def _seek(self, seconds: float) -> None:
@@ -198,6 +201,7 @@ class Window(QMainWindow):
         self._world = path
         self.setWindowTitle(title(path))
         self._menus.set_world(path)
+        self._saving.set_world(path)
         if is_other:
             self._badge.clear()
             self._scene.reset_view()
@@ -217,12 +221,22 @@ class Window(QMainWindow):
         return event.type() == QEvent.KeyPress and bool(event.modifiers() & _OTHER_KEYS)
 
     def closeEvent(self, event: QEvent) -> None:  # noqa: N802
-        """Saves the layout while it is whole; ends the program, even if dialogs are open."""
+        """Ends the program, even if dialogs are open; asks first if there are unsaved changes.
+
+        The layout is saved while it is whole.
+        """
+        if not self.is_closed and self._saving.keep_changes("closing", self._close_at_once):
+            event.ignore()
+            return
         self._settings.save_window(self, self._scene.frame)
         super().closeEvent(event)
         self._drive.stop()
         self.is_closed = True
         QApplication.quit()
+
+    def _close_at_once(self) -> None:
+        self.is_closed = True
+        self.close()
 
     def finish(self) -> None:
         """Stops a robot that it drives; saves the layout if it was not closed by the user."""
@@ -244,7 +258,11 @@ class Window(QMainWindow):
         folder = str(Path(self._world).parent) if self._world else ""
         file = ask_for_file(self, "Open a World", folder, "Worlds (*.yaml *.yml);;All files (*)")
         if file:
-            self._server.open(file)
+            self._open(file)
+
+    def _open(self, world: str) -> None:
+        if not self._saving.keep_changes("opening another world", lambda: self._server.open(world)):
+            self._server.open(world)
 
     def _ask_for_steps(self) -> None:
         before = int(self._settings.number(_STEPS, 100))
@@ -264,7 +282,7 @@ class Window(QMainWindow):
     def _keys_dialog(self) -> KeysDialog:
         menus = [(title, rows_of(menu)) for title, menu in self._menus.titled]
         tools = [(key_of(tool), tool.getName()) for tool in self._scene.tools if key_of(tool)]
-        others = [("Tools", tools), ("Driving", DRIVING), ("Mouse", MOUSE)]
+        others = [("Tools", tools), ("Driving, in the Drive panel", DRIVING), ("Mouse", MOUSE)]
         return KeysDialog(self, [menus, others])
 
     def _take_screenshot(self) -> None:

@@ -14,7 +14,9 @@ def label(model: Path) -> str:
 def title(world: str) -> str:
     """The window's title: a world's file with its folder, since many are called world.yaml.
 
+    Qt puts its mark of unsaved changes in place of "[*]".
+
     Args:
         world: the path; empty if it is unknown.
     """
-    return f"Flatland - {'/'.join(Path(world).parts[-2:])}" if world else "Flatland"
+    return f"Flatland - {'/'.join(Path(world).parts[-2:])}[*]" if world else "Flatland[*]"

@@ -250,6 +250,7 @@ void InteractTool::EndDrag() {
   press_.reset();
   if (!models_->Find(drag_.model())) return;  // it was deleted meanwhile
   QJsonObject moved = NamedPose(drag_.model(), drag_.start());
+  moved["to"] = NamedPose(drag_.model(), drag_.pose());
   moved["number"] = ++drags_;  // two drags may begin at the same pose
   moved_->setString(ToJson(moved));
 }

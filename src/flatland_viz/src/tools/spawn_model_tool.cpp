@@ -189,6 +189,7 @@ void SpawnModelTool::Spawn() {
           }
           properties_.Write(next);
           files_.AddRecent(choice.file);
+          properties_.Announce(choice, pose_);
           Q_EMIT close();
           setStatus(QString("Spawned %1.").arg(choice.Name().toHtmlEscaped()));
         }

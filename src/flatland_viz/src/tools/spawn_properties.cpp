@@ -4,6 +4,9 @@
 #include <rviz/properties/int_property.h>
 #include <rviz/properties/string_property.h>
 
+#include <QJsonDocument>
+#include <QJsonObject>
+
 namespace flatland_viz {
 
 SpawnProperties::SpawnProperties(rviz::Property* container)
@@ -15,7 +18,10 @@ SpawnProperties::SpawnProperties(rviz::Property* container)
           "Namespace", "", "In front of the names of the model's topics and frames.", container)),
       is_numbered_(new rviz::BoolProperty(
           "Number", false, "Whether a number that counts up is appended to the name.", container)),
-      number_(new rviz::IntProperty("Next Number", 1, "The number of the next model.", container)) {
+      number_(new rviz::IntProperty("Next Number", 1, "The number of the next model.", container)),
+      spawned_(new rviz::StringProperty("Spawned", "", "", container)) {
+  spawned_->setHidden(true);
+  spawned_->setShouldBeSaved(false);
   number_->setMin(0);
   number_->setShouldBeSaved(false);  // the next simulation starts without models
 }
@@ -36,6 +42,14 @@ void SpawnProperties::Write(const ModelChoice& choice) {
   namespace_->setString(choice.own_ns);
   is_numbered_->setBool(choice.is_numbered);
   number_->setInt(choice.number);
+}
+
+void SpawnProperties::Announce(const ModelChoice& choice, const geometry_msgs::Pose2D& pose) {
+  const QJsonObject spawned{{"name", choice.Name()}, {"ns", choice.Namespace()},
+                            {"file", choice.file},   {"x", pose.x},
+                            {"y", pose.y},           {"theta", pose.theta},
+                            {"number", ++spawns_}};  // the same may be spawned twice
+  spawned_->setString(QJsonDocument(spawned).toJson(QJsonDocument::Compact));
 }
 
 }  // namespace flatland_viz

@@ -2,6 +2,8 @@
 
 /// The model to spawn as properties of the tool, in rviz's panel and in its configuration file.
 
+#include <geometry_msgs/Pose2D.h>
+
 #include "model_choice.hpp"
 
 namespace rviz {
@@ -21,6 +23,8 @@ class SpawnProperties {
 
   ModelChoice Read() const;
   void Write(const ModelChoice& choice);
+  /// Tells the window that a model was spawned, by a hidden property "Spawned".
+  void Announce(const ModelChoice& choice, const geometry_msgs::Pose2D& pose);
 
  private:
   rviz::StringProperty* file_;
@@ -28,6 +32,8 @@ class SpawnProperties {
   rviz::StringProperty* namespace_;
   rviz::BoolProperty* is_numbered_;
   rviz::IntProperty* number_;
+  rviz::StringProperty* spawned_;
+  int spawns_ = 0;
 };
 
 }  // namespace flatland_viz

@@ -10,10 +10,9 @@ from flatland_viz.drive_robots import Robot, robots_of
 from flatland_viz.model_list import models_of
 
 
-def test_keys_add_up_and_opposite_ones_cancel_each_other():
+def test_qts_keys_drive():
     assert of_keys(set()) == STOP
     assert of_keys({Qt.Key_Up, Qt.Key_Left}) == Command(forwards=1.0, turn=1.0)
-    assert of_keys({Qt.Key_Up, Qt.Key_W}) == Command(forwards=1.0)
     assert of_keys({Qt.Key_W, Qt.Key_S, Qt.Key_E}) == Command(left=-1.0)
 
 

@@ -132,7 +132,8 @@ def test_a_held_key_does_not_drive_the_next_robot_when_its_own_is_deleted(applic
 class Interaction(QObject):
     """A selected model at rest, with a negative zero in its pose."""
 
-    moved = Signal(str, object)
+    moved = Signal(str, object, object)
+    spawned = Signal(object)
     menu_asked = Signal(str)
     state_changed = Signal(object)
 

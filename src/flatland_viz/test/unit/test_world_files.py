@@ -16,5 +16,5 @@ def test_names_of_models_have_no_ending(file, name):
 
 
 def test_the_title_names_the_world_with_its_folder():
-    assert title("/home/me/worlds/office/world.yaml") == "Flatland - office/world.yaml"
-    assert title("") == "Flatland"
+    assert title("/home/me/worlds/office/world.yaml") == "Flatland - office/world.yaml[*]"
+    assert title("") == "Flatland[*]"

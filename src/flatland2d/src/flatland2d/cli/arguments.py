@@ -8,6 +8,7 @@ from typing import Any, Callable, Tuple
 
 import yaml
 
+from flatland2d.cli.completion import FILES
 from flatland2d.simulation import Simulation
 
 Subparsers = Any
@@ -16,11 +17,12 @@ Subparsers = Any
 
 def add_world(parser: argparse.ArgumentParser) -> None:
     """Adds the arguments that name a world and how it is simulated."""
-    parser.add_argument(
+    world: Any = parser.add_argument(
         "world",
         metavar="WORLD",
         help="a world file, or the name of a world that `flatland worlds` lists",
     )
+    world.complete = FILES
     parser.add_argument(
         "--seed", type=whole_from(0), default=0, help="of all random numbers (default: %(default)s)"
     )

@@ -20,6 +20,7 @@ from flatland2d.cli import (
     view,
     worlds,
 )
+from flatland2d.cli.completion import SHELLS, PrintCompletion
 from flatland_server._core import __version__
 from flatland_server.exceptions import FlatlandError, YamlError
 
@@ -44,6 +45,13 @@ def main(arguments: Optional[List[str]] = None) -> int:
         prog="flatland", description="A 2D robot simulator: worlds in YAML, robots of plugins."
     )
     parser.add_argument("--version", action="version", version=f"flatland {__version__}")
+    parser.add_argument(
+        "--print-completion",
+        action=PrintCompletion,
+        choices=SHELLS,
+        metavar="SHELL",
+        help=f"print completion for a shell: {' or '.join(SHELLS)}",
+    )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for subcommand in SUBCOMMANDS:
         subcommand.add_parser(commands)

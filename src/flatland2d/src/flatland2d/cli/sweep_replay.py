@@ -16,6 +16,7 @@ from flatland2d.sweep.settings import SweepSettings, scenario_of
 from flatland2d.sweep.sweep import JOURNAL, read_entries
 from flatland2d.viewer.keyboard_drive import KeyboardDrive
 from flatland2d.viewer.viewer import Viewer
+from flatland_teleop.driving_keys import Direction
 
 _SIZE = (1280, 800)
 
@@ -155,7 +156,7 @@ class RunViewer(Viewer):
     def note_step(self) -> None:
         """Notes that a step was made."""
         self.due = max(0, self.due - 1)
-        self._note_trail()
+        self._trail.note(self.chosen, reads_odometry=False)
 
     def end(self, outcome: str) -> None:
         """Stops the time, and says how the run has ended."""
@@ -186,5 +187,5 @@ class RunViewer(Viewer):
 class _NoDrive(KeyboardDrive):
     """The controller drives; keys do not."""
 
-    def command(self, model: str, **_: Any) -> None:
+    def command(self, model: str, direction: Direction, *, is_slow: bool = False) -> None:
         pass

@@ -1,6 +1,7 @@
 """The parts of a picture of a world, from the ground up: grid, walls, sensors, bodies, names."""
 
 import math
+from itertools import cycle
 from typing import Iterable, Tuple
 
 import numpy as np
@@ -19,7 +20,7 @@ BACKGROUND: Rgba = (238 / 255, 238 / 255, 236 / 255, 1.0)
 
 _GRID: Rgba = (223 / 255, 223 / 255, 222 / 255, 1.0)
 _NAME: Rgba = (32 / 255, 32 / 255, 32 / 255, 1.0)
-_TRAIL: Rgba = (0.2, 0.5, 0.8, 0.8)
+_TRAILS: Tuple[Rgba, ...] = ((0.2, 0.5, 0.8, 0.8), (0.9, 0.62, 0.0, 0.9))
 _PALE = 0.8  # walls with more of each colour than this hardly differ from the background
 
 _WALL_WIDTH = 0.05  # m
@@ -58,9 +59,9 @@ def draw_walls(canvas: Canvas, layers: Iterable[Layer], scale: float) -> None:
 
 
 def draw_trails(canvas: Canvas, trails: Iterable[Points]) -> None:
-    """Draws lines through past positions."""
-    for trail in trails:
-        canvas.path(trail, _TRAIL, _TRAIL_WIDTH)
+    """Draws lines through past positions, in different colours."""
+    for trail, color in zip(trails, cycle(_TRAILS)):
+        canvas.path(trail, color, _TRAIL_WIDTH)
 
 
 def draw_model(canvas: Canvas, model: Model, scale: float) -> None:

@@ -5,12 +5,13 @@ import math
 from typing import Optional, Sequence, Set, Tuple
 
 from flatland2d.simulation import Simulation
+from flatland_teleop.driving_keys import SLOW, Direction
 
 SPEED = 0.5
-"""The speed of a robot [m/s]; doubled with Shift."""
+"""The speed of a robot [m/s]."""
 
 TURN = 1.0
-"""The yaw rate [rad/s], or a tricycle's steering angle [rad]; unchanged by Shift."""
+"""The yaw rate [rad/s], or a tricycle's steering angle [rad]."""
 
 _UNKNOWN = (math.nan,) * 3
 """A command that differs from each other one."""
@@ -28,20 +29,17 @@ class KeyboardDrive:
         self._commanded: Tuple[str, Tuple[float, ...]] = ("", ())
         self._driven: Set[str] = set()
 
-    def command(
-        self, model: str, *, forwards: float, left: float, turn: float, is_fast: bool
-    ) -> None:
+    def command(self, model: str, direction: Direction, *, is_slow: bool = False) -> None:
         """Commands a model, if it is another one than before, or the keys have changed.
 
         Args:
             model: its name; one that has no drive is not commanded.
-            forwards: 1, 0, or -1 for backwards.
-            left: 1, 0, or -1 for to the right; for drives that move sideways.
-            turn: 1, 0, or -1 for clockwise.
-            is_fast: whether to drive twice as fast.
+            direction: of the keys that are held.
+            is_slow: whether to drive half as fast.
         """
-        factor = 2.0 if is_fast else 1.0
-        wanted = (factor * SPEED * forwards, factor * SPEED * left, TURN * turn)
+        factor = SLOW if is_slow else 1.0
+        speed, turn = factor * SPEED, factor * TURN
+        wanted = (speed * direction.forwards, speed * direction.left, turn * direction.turn)
         former, values = self._commanded
         if former != model and any(values):
             self._send(former, (0.0, 0.0, 0.0))

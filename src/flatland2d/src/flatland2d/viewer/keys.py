@@ -2,14 +2,15 @@
 
 from typing import List
 
+from flatland_teleop.driving_keys import HELP
+
 KEYS = (
-    ("arrows, WASD", "drive the robot; with Shift twice as fast"),
-    ("Q E", "move sideways, if its drive can"),
+    *HELP,
     ("Tab, click", "follow a robot: the next one, or a model that is clicked"),
     ("F", "follow, or stop following"),
     ("drag, wheel", "move and zoom the picture; Home: show all"),
     ("space", "pause, go on"),
-    (". ,", "a single step on, or back"),
+    (". ,", "a single step on (also F10), or back"),
     ("PgUp PgDn", "10 s back, or on; with Shift 1 s; End: the latest moment"),
     ("timeline", "go to a moment; the run goes on from there"),
     ("+ -", "faster, slower"),
@@ -17,8 +18,9 @@ KEYS = (
     ("L", "lidars and other sensors"),
     ("N T", "names of models; the trail of the robot"),
     ("P", "save a picture"),
-    ("H", "this help"),
-    ("Esc", "quit"),
+    ("H, F1", "this help"),
+    ("Esc", "leave this help; stop following"),
+    ("Ctrl+Q", "quit"),
 )
 """Keys, and what they do."""
 

@@ -14,6 +14,7 @@ from flatland2d.simulation import Simulation
 from flatland2d.viewer.keyboard_drive import KeyboardDrive, first_drive
 from flatland2d.viewer.playback import Playback
 from flatland2d.viewer.timeline import Timeline
+from flatland2d.viewer.trail import Trail
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Point
 
@@ -23,8 +24,6 @@ _RING_WIDTH = 2.0  # px
 _RING_GAP = 5.0  # px
 _REACH = 8.0  # px; how far a click may be off a model
 _ZOOM = 1.2
-_TRAIL_STEP = 0.05  # m
-_TRAIL_LENGTH = 4000  # positions
 _STEP_TIME = 0.025  # s of real time for steps in each frame
 
 
@@ -69,7 +68,7 @@ class Viewer:
         """A message to the user about the last event."""
         self._clock = clock
         self._renderer = Renderer(simulation.world, simulation.timekeeper)
-        self._trail: List[Point] = []
+        self._trail = Trail(simulation)
         self.view = self._renderer.view(size)
         self.choose(next(iter(self._robots()), ""))
         if follow is not None:
@@ -131,7 +130,7 @@ class Viewer:
         except FlatlandError as error:
             self.playback.is_paused = True
             self.message = str(error)
-        self._note_trail()
+        self._trail.note(self.chosen, self.shows_trail)
 
     # The model that is chosen
 
@@ -215,7 +214,7 @@ class Viewer:
             self.view,
             sensors=self.shows_sensors,
             names=self.shows_names,
-            trails=[self._trail] if self.shows_trail else (),
+            trails=self._trail.lines if self.shows_trail else (),
         )
         if handle is not None:
             model = handle.model
@@ -264,12 +263,3 @@ class Viewer:
         """The names of the models that have a drive; of all models, if none has one."""
         names = list(self.simulation.models)
         return [name for name in names if first_drive(self.simulation, name)] or names
-
-    def _note_trail(self) -> None:
-        handle = self.simulation.models.get(self.chosen)
-        if handle is None:
-            return
-        place = handle.model.pose[:2]
-        if not self._trail or math.dist(self._trail[-1], place) >= _TRAIL_STEP:
-            self._trail.append(place)
-            del self._trail[:-_TRAIL_LENGTH]

@@ -9,6 +9,7 @@ from flatland2d.viewer.display_libraries import missing_libraries
 from flatland2d.viewer.keys import KEYS
 from flatland2d.viewer.viewer import Viewer
 from flatland_server.exceptions import MissingPackageError
+from flatland_teleop.driving_keys import DIRECTIONS, direction
 
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 os.environ.setdefault("SDL_VIDEO_X11_WMCLASS", "flatland")
@@ -34,6 +35,10 @@ _TRACK = (190, 190, 188)
 _PAST = (70, 110, 170)
 _CLICK = 4  # px; a mouse that moves further while its button is down is dragging
 _LEAST_SIZE = (320, 240)
+_DRIVING = {
+    name: getattr(pygame, f"K_{name if len(name) == 1 else name.upper()}") for name in DIRECTIONS
+}
+"""Pygame's keys that drive, by their names."""
 _WITHOUT_SCREEN = {"dummy", "evdev", "offscreen"}
 """SDL's drivers that show nothing, which it may choose where there is no screen."""
 
@@ -100,6 +105,7 @@ class Window:
             pygame.K_SPACE: viewer.toggle_pause,
             pygame.K_PERIOD: viewer.single_step,
             pygame.K_KP_PERIOD: viewer.single_step,
+            pygame.K_F10: viewer.single_step,
             pygame.K_COMMA: lambda: viewer.seek_by(-viewer.simulation.step_size),
             pygame.K_END: lambda: viewer.seek(viewer.timeline.end),
             pygame.K_r: viewer.reset,
@@ -111,11 +117,17 @@ class Window:
             pygame.K_t: lambda: self._toggle("shows_trail"),
             pygame.K_h: lambda: self._toggle("shows_help"),
             pygame.K_F1: lambda: self._toggle("shows_help"),
-            pygame.K_ESCAPE: self._close,
+            pygame.K_ESCAPE: self._leave,
         }
 
     def _toggle(self, option: str) -> None:
         setattr(self._viewer, option, not getattr(self._viewer, option))
+
+    def _leave(self) -> None:
+        """Leaves the help, or else stops following."""
+        if not self._viewer.shows_help:
+            self._viewer.is_following = False
+        self._viewer.shows_help = False
 
     def _close(self) -> None:
         self._is_open = False
@@ -147,7 +159,9 @@ class Window:
 
     def _on_key(self, event: Any) -> None:
         self._viewer.message = ""
-        if event.key == pygame.K_TAB:
+        if event.mod & pygame.KMOD_CTRL and event.key == pygame.K_q:
+            self._close()
+        elif event.key == pygame.K_TAB:
             self._viewer.choose_next(-1 if event.mod & pygame.KMOD_SHIFT else 1)
         elif event.key in (pygame.K_PAGEUP, pygame.K_PAGEDOWN):
             seconds = 1.0 if event.mod & pygame.KMOD_SHIFT else 10.0
@@ -182,16 +196,10 @@ class Window:
         if not self._viewer.takes_commands:
             return
         held = pygame.key.get_pressed()
-
-        def axis(plus: Tuple[int, ...], minus: Tuple[int, ...]) -> float:
-            return float(any(held[key] for key in plus)) - any(held[key] for key in minus)
-
         self._viewer.drive.command(
             self._viewer.chosen,
-            forwards=axis((pygame.K_UP, pygame.K_w), (pygame.K_DOWN, pygame.K_s)),
-            left=axis((pygame.K_q,), (pygame.K_e,)),
-            turn=axis((pygame.K_LEFT, pygame.K_a), (pygame.K_RIGHT, pygame.K_d)),
-            is_fast=bool(pygame.key.get_mods() & pygame.KMOD_SHIFT),
+            direction(name for name, key in _DRIVING.items() if held[key]),
+            is_slow=bool(pygame.key.get_mods() & pygame.KMOD_SHIFT),
         )
 
     def _draw(self) -> None:

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from flatland2d.simulation import Simulation
+from flatland2d.viewer.trail import Trail
 from flatland2d.viewer.viewer import Viewer
 from flatland_server.exceptions import FlatlandError
+from flatland_teleop.driving_keys import Direction
 
 SIZE = (400, 300)
 DRIVES = {
@@ -43,9 +45,8 @@ class Keys:
     def __init__(self, viewer):
         self.viewer = viewer
 
-    def hold(self, seconds=0.0, **axes):
-        held = {"forwards": 0.0, "left": 0.0, "turn": 0.0, "is_fast": False, **axes}
-        self.viewer.drive.command(self.viewer.chosen, **held)
+    def hold(self, seconds=0.0, is_slow=False, **parts):
+        self.viewer.drive.command(self.viewer.chosen, Direction(**parts), is_slow=is_slow)
         for _ in range(round(seconds / 0.05)):
             self.viewer.advance(0.05)
 
@@ -70,11 +71,11 @@ def test_keys_drive_the_robot_until_they_are_released(viewer, keys, simulation):
     keys.hold(1.0, forwards=1.0)
     assert simulation.models["diff"].pose.x == pytest.approx(-3.5, abs=0.01)
 
-    keys.hold(1.0, forwards=1.0, is_fast=True)
-    assert simulation.models["diff"].pose.x == pytest.approx(-2.5, abs=0.02)
+    keys.hold(2.0, forwards=1.0, is_slow=True)
+    assert simulation.models["diff"].pose.x == pytest.approx(-3.0, abs=0.02)
 
     keys.hold(1.0)
-    assert simulation.models["diff"].pose.x == pytest.approx(-2.5, abs=0.02)
+    assert simulation.models["diff"].pose.x == pytest.approx(-3.0, abs=0.02)
 
     keys.hold(1.0, turn=-1.0)
     assert simulation.models["diff"].pose.yaw == pytest.approx(-1.0, abs=0.01)
@@ -255,6 +256,25 @@ def test_the_trail_shows_where_the_robot_was(viewer, keys):
     changed = np.argwhere((np.asarray(viewer.image()) != without).any(axis=2))
 
     assert np.ptp(changed[:, 1]) == pytest.approx((1.0 - 0.3) * viewer.view.scale, abs=4)
+
+
+def test_the_trail_of_odometry_that_drifts_leaves_that_of_the_robot(tmp_path):
+    drift = {"translation_per_metre": 0.01, "rotation_per_metre": 0.05}
+    drive = {"type": "DiffDrive", "name": "drive", "body": "base", "odom_drift": drift}
+    body = {"name": "base", "footprints": [{"type": "circle", "radius": 0.2, "density": 1}]}
+    robot = {"bodies": [body], "plugins": [drive]}
+    models = [{"name": "robot", "model": robot, "pose": [1, 1, 1]}]
+    world = {"properties": {}, "layers": [], "models": models}
+    with Simulation(world, seed=1) as simulation:
+        trail = Trail(simulation)
+        simulation.models["robot"].command(0.5, 0.3)
+        for _ in range(100):
+            simulation.step(20)
+            trail.note("robot", reads_odometry=True)
+
+        true, believed = trail.lines
+        assert math.dist(true[0], believed[0]) < 0.2
+        assert math.dist(true[-1], believed[-1]) > 0.05
 
 
 def test_the_status_says_time_rate_pose_and_velocity(viewer, keys):

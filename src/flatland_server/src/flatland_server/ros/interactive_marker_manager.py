@@ -20,6 +20,7 @@ from flatland_server.messages.model_markers import preview
 from flatland_server.models.model import Model
 from flatland_server.real_time_timer import RealTimeTimer
 from flatland_server.ros.ros_transport import RosTransport
+from flatland_server.serving.client_edits import ClientEdits
 from flatland_server.simulation.simulation_manager import SimulationManager
 
 _DELETE = 1
@@ -59,11 +60,18 @@ class InteractiveMarkerManager:
         transport: hands feedback over to the simulation's thread.
         rate: how often markers follow their models [Hz of real time], while there are subscribers.
         frame_id: of the world.
+        edits: is told of changes.
     """
 
     def __init__(
-        self, manager: SimulationManager, transport: RosTransport, rate: float, frame_id: str
+        self,
+        manager: SimulationManager,
+        transport: RosTransport,
+        rate: float,
+        frame_id: str,
+        edits: ClientEdits,
     ) -> None:
+        self._edits = edits
         self._manager = manager
         self._world = manager.world
         self._transport = transport
@@ -147,6 +155,7 @@ class InteractiveMarkerManager:
         if event == InteractiveMarkerFeedback.MENU_SELECT:
             if feedback.menu_entry_id == _DELETE:
                 self._world.delete_model(name)
+                self._edits.note_deletion(name)
             return
         if event == InteractiveMarkerFeedback.MOUSE_DOWN:
             self._begin_drag(name)
@@ -165,6 +174,7 @@ class InteractiveMarkerManager:
         pose = Pose(position.x, position.y, yaw).compose(centre.inverse())
         try:
             self._world.move_model(name, pose)
+            self._edits.note_move(name, pose)
         except FlatlandError as error:  # outside the limits of the world: the model stays
             rospy.logwarn_throttle(_WARNING_PERIOD, f'"{name}" is not moved: {error}')
 

@@ -23,12 +23,14 @@ from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.server_config import ServerConfig
 from flatland_server.ros.service_manager import RosServiceHost
 from flatland_server.ros.shutdown import Shutdown
+from flatland_server.serving.client_edits import ClientEdits
 from flatland_server.serving.client_files import ClientFiles
 from flatland_server.serving.map_to_odom import FRAME_ID, MapToOdom
 from flatland_server.serving.model_publisher import ModelPublisher
 from flatland_server.serving.model_services import ModelServices
 from flatland_server.serving.state_publisher import StatePublisher
 from flatland_server.serving.state_services import StateServices
+from flatland_server.serving.world_saving import WorldSaving
 from flatland_server.simulation.history import SHARE_OF_VIEWERS
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.slow_plugin_watch import SlowPluginWatch
@@ -123,6 +125,7 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
 
 def _open_topics(manager: SimulationManager, transport: RosTransport, config: ServerConfig) -> None:
     """Opens the topics and services other than those of plugins."""
+    edits = ClientEdits(manager.world)
     clock = ClockPublisher(manager.timekeeper, transport.rospy_calls)
     manager.after_step.append(clock.tick)
     manager.on_tick.append(clock.flush)
@@ -134,7 +137,7 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
         manager.on_tick.append(markers.update)
         manager.after_jump.append(markers.time_has_jumped)
         manager.on_tick.append(ModelPublisher(manager, config.viz_pub_rate).update)
-        handles = InteractiveMarkerManager(manager, transport, config.viz_pub_rate, FRAME_ID)
+        handles = InteractiveMarkerManager(manager, transport, config.viz_pub_rate, FRAME_ID, edits)
         manager.on_tick.append(handles.update)
     if config.history:
         try:
@@ -142,7 +145,7 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
         except StateError as error:
             rospy.logwarn("there is no history, so /seek will fail: %s", error)
     manager.on_tick.append(Diagnostics(manager).update)
-    manager.on_tick.append(StatePublisher(manager).update)
+    manager.on_tick.append(StatePublisher(manager, edits).update)
     if config.realtime_priority:
         manager.on_tick.append(ThreadPriority().update)
     manager.on_tick.append(SlowPluginWatch().update)
@@ -150,8 +153,9 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
         manager.on_tick.append(MapToOdom(transport, lambda: manager.world.odometry_frames).update)
     files = ClientFiles(manager.world, config.state_folder)
     host = RosServiceHost(transport)
-    ModelServices(manager.world, host, files)
+    ModelServices(manager.world, host, files, edits)
     StateServices(manager, host, files, config.control_period)
+    WorldSaving(manager, host, files, edits)
 
 
 def exclude_from_garbage_collection() -> None:

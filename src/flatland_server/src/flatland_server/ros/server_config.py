@@ -123,7 +123,7 @@ def _folders(name: str) -> Tuple[Path, ...]:
     if not isinstance(texts, list) or not all(isinstance(text, str) for text in texts):
         raise FlatlandError(f"{name}: expected a list of folders, found {value}")
     try:
-        folders = tuple(to_path(text).absolute() for text in texts if text)
+        folders = tuple(to_path(text).absolute() for text in texts if text.strip())
     except FlatlandError as error:
         raise FlatlandError(f"{name}: {error}") from None
     for folder in folders:

@@ -4,6 +4,7 @@ A client may be anywhere in the ROS network. It gets no content of files that ar
 If the server has a folder of states, it names files only in the folders that its owner has named.
 """
 
+import os
 import re
 from pathlib import Path
 from typing import Optional, Union
@@ -68,6 +69,32 @@ class ClientFiles:
         if not path.is_absolute():
             raise FlatlandError(f'expected an absolute path, found "{shortened(name)}"')
         return self._readable(path, name)
+
+    def written_world(self, name: str) -> Path:
+        """The path of a world file that is to be written; links are followed.
+
+        Args:
+            name: absolute; empty for the world's own file.
+
+        Raises:
+            FlatlandError: the world has no file, the name is relative or leads out of the folder of
+                states, or something is there that is no world file.
+        """
+        own = self._world.config.path
+        path = to_path(name) if name else own
+        if path is None:
+            raise FlatlandError("the world was made without a file; expected the path of a new one")
+        if not path.is_absolute():
+            raise FlatlandError(f'expected an absolute path, found "{shortened(name)}"')
+        path = path.resolve()
+        if self._state_folder is not None:
+            self._require_within(path, self._state_folder)
+        if path.suffix not in (".yaml", ".yml"):
+            raise FlatlandError(f"expected a file *.yaml, found {path}")
+        is_own = own is not None and path == own.resolve()
+        if os.path.lexists(path) and not is_own and not _is_of_flatland(path):
+            raise FlatlandError(f"{path}: expected a new file or a world, found something else")
+        return path
 
     def model_file(self, name: str) -> Path:
         """The path of a model file.

@@ -9,6 +9,7 @@ from flatland_server.geometry import Pose
 from flatland_server.messages.message_types import get
 from flatland_server.messages.model_markers import preview
 from flatland_server.models.model import ModelText
+from flatland_server.serving.client_edits import ClientEdits
 from flatland_server.serving.client_files import ClientFiles, EntryError, told
 from flatland_server.serving.service_host import ServiceHost
 from flatland_server.simulation.world import World
@@ -34,10 +35,14 @@ class ModelServices:
         world: has the models.
         host: offers the services.
         files: finds the files that clients name.
+        edits: is told of changes.
     """
 
-    def __init__(self, world: World, host: ServiceHost, files: ClientFiles) -> None:
+    def __init__(
+        self, world: World, host: ServiceHost, files: ClientFiles, edits: ClientEdits
+    ) -> None:
         self._world = world
+        self._edits = edits
         self._host = host
         self._files = files
         self._last_warning = ""
@@ -100,7 +105,9 @@ class ModelServices:
 
     def _add(self, entry: ModelEntry) -> str:
         """Adds a model; returns a warning, or an empty string."""
-        return self._world.overlap_warning(self._world.add_model(entry))
+        model = self._world.add_model(entry)
+        self._edits.note_spawn(entry)
+        return self._world.overlap_warning(model)
 
     def _add_all(self, entries: List[ModelEntry]) -> str:
         """Adds models: all, or none; returns their warnings, or an empty string."""
@@ -116,7 +123,7 @@ class ModelServices:
         return "; ".join(filter(None, warnings))
 
     def _delete_model(self, request: Any) -> None:
-        self._host.call(lambda: self._world.delete_model(request.name))
+        self._host.call(lambda: self._remove([self._world.get_model(request.name).name]))
         self._host.wait_until_registered()
 
     def _delete_models(self, request: Any) -> None:
@@ -136,16 +143,21 @@ class ModelServices:
         for name in names:
             if name in self._world.models:
                 self._world.delete_model(name)
+                self._edits.note_deletion(name)
 
     def _move_model(self, request: Any) -> None:
         pose = _to_pose(request.pose)
-        self._host.call(lambda: self._world.move_model(request.name, pose))
+        self._host.call(lambda: self._move(request.name, pose))
+
+    def _move(self, name: str, pose: Pose) -> None:
+        self._world.move_model(name, pose)
+        self._edits.note_move(name, pose)
 
     def _receive_move(self, message: Any) -> None:
         """Moves a model; warns of a message that it cannot obey, once of equal ones."""
         warning = ""
         try:
-            self._world.move_model(message.name, _to_pose(message.pose))
+            self._move(message.name, _to_pose(message.pose))
         except (FlatlandError, ValueError) as error:
             warning = told(error)
             if warning != self._last_warning:

@@ -4,6 +4,7 @@ import time
 
 from flatland_server.messages import ros_time
 from flatland_server.messages.message_types import get
+from flatland_server.serving.client_edits import ClientEdits
 from flatland_server.simulation.simulation_manager import SimulationManager
 
 SimulationState = get("flatland_msgs/SimulationState")
@@ -13,10 +14,16 @@ _PERIOD = 0.2
 
 
 class StatePublisher:
-    """Publishes flatland_msgs/SimulationState, latched."""
+    """Publishes flatland_msgs/SimulationState, latched.
 
-    def __init__(self, manager: SimulationManager) -> None:
+    Args:
+        manager: the simulation.
+        edits: what clients have changed.
+    """
+
+    def __init__(self, manager: SimulationManager, edits: ClientEdits) -> None:
         self._manager = manager
+        self._edits = edits
         transport = manager.transport
         self._publisher = transport.advertise(
             f"{transport.node_name}/state", SimulationState, latch=True, queue_size=1
@@ -43,5 +50,6 @@ class StatePublisher:
             manager.real_time_factor,
             ros_time(begin),
             ros_time(end),
+            self._edits.count,
         )
         self._publisher.publish(state)

@@ -87,7 +87,7 @@ class History:
         self._changes: Tuple[object, int] = (None, 0)
         self._due = 0  # simulated time of the next state [ns]
         self._may_keep = 0.0  # real time from which on it may be kept [s]
-        self._restart()
+        self.restart()
         if self._problem is not None:
             raise self._problem
         self.is_open = True
@@ -218,7 +218,7 @@ class History:
 
     def _on_jump(self) -> None:
         if not self._is_seeking:
-            self._restart()
+            self.restart()
 
     def _has_changed(self) -> bool:
         deferred = self._run.world.contents.deferred
@@ -230,7 +230,7 @@ class History:
 
     # Moments
 
-    def _restart(self) -> None:
+    def restart(self) -> None:
         """Forgets all moments, and begins with the present one."""
         self._forget()
         self._problem = None

@@ -1,0 +1,26 @@
+"""`flatland --print-completion SHELL`: completion of the command line, by shtab."""
+
+import argparse
+from typing import Any
+
+from flatland_server.exceptions import MissingPackageError
+
+SHELLS = ("bash", "zsh")
+
+FILES = {"bash": "_shtab_compgen_files", "zsh": "_files"}
+"""As the attribute `complete` of an argument: it is completed by names of files."""
+
+
+class PrintCompletion(argparse.Action):
+    """Prints a script for a shell, and ends the process."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *arguments: Any, **_: Any) -> None:
+        """Prints the script for the shell that the option names."""
+        try:
+            import shtab
+        except ImportError:
+            raise MissingPackageError(
+                "completion needs shtab: pip install shtab, or apt install python3-shtab"
+            ) from None
+        print(shtab.complete(parser, shell=arguments[1]))
+        parser.exit()

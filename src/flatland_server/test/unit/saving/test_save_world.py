@@ -1,0 +1,323 @@
+"""The service /save_world: what it writes into world files, and what it refuses."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from flatland_server.exceptions import FlatlandError
+from flatland_server.geometry import Pose
+from flatland_server.serving.client_edits import ClientEdits
+from flatland_server.serving.client_files import ClientFiles
+from flatland_server.serving.model_services import ModelServices
+from flatland_server.serving.service_host import ServiceHost
+from flatland_server.serving.state_services import StateServices
+from flatland_server.serving.world_saving import WorldSaving
+from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.timekeeper import Timekeeper
+
+BOX = "bodies: [{name: base, footprints: [{type: circle, radius: 0.2, density: 1}]}]\n"
+WORLD = """\
+# A test world.
+properties: {}   # none
+layers:
+- name: walls    # a list without an indentation
+models:
+    # The first.
+    - name: a
+      model: box.yaml            # a box
+      pose: [ $eval 1 + 1,  2.50, 0 ]
+
+    # The second.
+    - name: b
+      model: "box.yaml"
+    - {name: c,  model: box.yaml, pose: [5, 5, 0]}   # in one line
+# The end.
+"""
+TO_A = "    - name: a\n      model: box.yaml            # a box\n"
+TO_B = '    - name: b\n      model: "box.yaml"\n'
+
+
+class Host(ServiceHost):
+    """Offers services, without ROS; calls run at once."""
+
+    def __init__(self):
+        self.actions, self.opened = {}, []
+
+    def offer(self, name, type_name, action):
+        self.actions[name] = action
+
+    def call(self, function):
+        return function()
+
+    def wait(self, future):
+        return future.result()
+
+    def world_is_open(self, path):
+        self.opened.append(path)
+
+
+class Server:
+    """The services of a world of a text."""
+
+    def __init__(self, files, text, state_folder=None):
+        files.write("box.yaml", BOX)
+        self.world = files.load(text)
+        self.path = self.world.config.path
+        self.manager = SimulationManager(self.world, Timekeeper(0.01))
+        self.host = Host()
+        self.edits = ClientEdits(self.world)
+        found = ClientFiles(self.world, state_folder)
+        ModelServices(self.world, self.host, found, self.edits)
+        StateServices(self.manager, self.host, found, 0.1)
+        WorldSaving(self.manager, self.host, found, self.edits)
+
+    def move(self, name, x, y, theta=0.0):
+        pose = SimpleNamespace(x=x, y=y, theta=theta)
+        self.host.actions["move_model"](SimpleNamespace(name=name, pose=pose))
+
+    def spawn(self, name, x, y, *, path="box.yaml", ns=""):
+        pose = SimpleNamespace(x=x, y=y, theta=0.0)
+        request = SimpleNamespace(yaml_path=path, name=name, ns=ns, pose=pose)
+        self.host.actions["spawn_model"](request)
+
+    def delete(self, name):
+        self.host.actions["delete_model"](SimpleNamespace(name=name))
+
+    def reset(self):
+        request = SimpleNamespace(new_seed=False, seed=0, restart_time=True)
+        self.host.actions["reset"](request)
+
+    def save(self, path=""):
+        return self.host.actions["save_world"](SimpleNamespace(path=str(path)))["message"]
+
+    @property
+    def text(self):
+        return self.path.read_text()
+
+    def poses(self):
+        return {name: model.pose for name, model in self.world.models.items()}
+
+
+@pytest.fixture
+def server(files):
+    return Server(files, WORLD)
+
+
+def test_only_the_numbers_that_differ_are_written(server):
+    server.move("a", 2.0, 3.12345678, 0.0)
+    server.move("b", 5.0, 0.0, 1.0)
+    server.move("c", -1.0, 5.0, -0.0)
+    assert server.edits.count == 3
+
+    message = server.save()
+
+    expected = WORLD.replace("2.50", "3.1235").replace("[5, 5, 0]", "[-1.0, 5, 0]")
+    expected = expected.replace(TO_B, f"{TO_B}      pose: [5.0, 0.0, 1.0]\n")
+    assert server.text == expected
+    assert message == f"3 changed models saved in {server.path}"
+    assert server.edits.count == 0
+    assert server.host.opened == [str(server.path)]
+
+
+def test_deleted_and_spawned_models_leave_comments_and_other_entries_as_they_are(server):
+    server.delete("b")
+    server.delete("a")
+    server.spawn("robot", 1.0, 2.0, ns="r1")
+    server.spawn("no", 1.0, 3.0)
+    server.move("no", 1.0, 4.0)
+
+    server.save()
+
+    expected = WORLD.replace(TO_A, "").replace("      pose: [ $eval 1 + 1,  2.50, 0 ]\n", "")
+    expected = expected.replace(TO_B, "").replace(
+        "# The end.",
+        "    - {name: robot, namespace: r1, model: box.yaml, pose: [1.0, 2.0, 0.0]}\n"
+        '    - {name: "no", model: box.yaml, pose: [1.0, 4.0, 0.0]}\n'
+        "# The end.",
+    )
+    assert server.text == expected
+
+
+def test_a_saved_world_is_the_one_that_a_reset_and_a_reload_make(server):
+    server.delete("a")
+    server.spawn("d", 7.0, 8.0)
+    server.move("c", 1.0, 1.0)
+    server.save()
+    saved = server.poses()
+    server.move("c", 2.0, 2.0)
+
+    server.reset()
+
+    assert server.poses() == saved
+    assert server.edits.count == 0
+    server.manager.reload(server.world.read_config())
+    assert server.poses() == saved
+    assert list(saved) == ["b", "c", "d"]
+
+
+def test_an_edit_that_is_undone_is_no_change(server):
+    server.move("a", 0.0, 0.0)
+    server.delete("b")
+    server.spawn("d", 0.0, 0.0)
+    assert server.edits.count == 3
+
+    server.move("a", 2.0, 2.5)
+    server.spawn("b", 0.0, 0.0)
+    server.delete("d")
+    assert server.edits.count == 0
+
+    server.delete("b")
+    server.spawn("b", 0.0, 0.0, ns="other")
+    assert server.edits.count == 1
+    server.reset()
+    assert server.edits.count == 0
+
+
+def test_what_a_robot_does_is_no_edit(server):
+    server.world.models["a"].move(Pose(1.0, 1.0, 0.0))
+    server.world.spawn_model("box.yaml", "of_a_plugin", "", Pose())
+
+    assert server.edits.count == 0
+    server.save()
+    assert server.text == WORLD
+
+
+@pytest.mark.parametrize(
+    ("models", "expected"),
+    [
+        ("", "models:\n  - name: d\n    model: box.yaml\n    pose: [1.0, 2.0, 0.0]\n"),
+        ("models: []  # none\n", "models: \n  - name: d\n"),
+        ("models: [{name: e, model: box.yaml}]  # few\n", "box.yaml}, {name: d, "),
+        ("models:\n- name: e\n  model: box.yaml", "\n- name: d\n  model: box.yaml\n  pose: "),
+    ],
+)
+def test_a_model_is_added_to_lists_of_any_form(files, models, expected):
+    server = Server(files, f"properties: {{}}\nlayers: []\n{models}")
+    server.spawn("d", 1.0, 2.0)
+
+    server.save()
+
+    assert server.text.startswith("properties: {}\nlayers: []\nmodels:")
+    assert expected in server.text
+    assert server.world.read_config().models[-1].name == "d"
+
+
+@pytest.mark.parametrize(
+    "models",
+    ["models:  # two\n- {name: e, model: box.yaml}\n", "models: [{name: e, model: box.yaml}]"],
+)
+def test_all_models_may_go(files, models):
+    server = Server(files, f"properties: {{}}\nlayers: []\n{models}")
+    server.delete("e")
+
+    server.save()
+
+    assert "models: []" in server.text
+
+
+def test_a_file_of_windows_and_one_line_of_json_keep_their_form(files):
+    server = Server(files, '{"properties": {}, "layers": []}')
+    server.spawn("d", 1.0, 2.0)
+    server.save()
+    assert len(server.world.read_config().models) == 1
+    text = "properties: {}\r\nlayers: []\r\nmodels:\r\n- name: e\r\n  model: box.yaml\r\n"
+    server.path.write_bytes(b"\xef\xbb\xbf" + text.encode())
+    server.manager.reload(server.world.read_config())
+    server.move("e", 1.0, 2.0)
+
+    server.save()
+
+    expected = b"\xef\xbb\xbf" + text.encode() + b"  pose: [1.0, 2.0, 0.0]\r\n"
+    assert server.path.read_bytes() == expected
+
+
+def test_an_edit_in_the_file_since_it_was_read_is_kept(server):
+    server.path.write_text(WORLD.replace("# The end.", "# Mine."))
+    server.move("c", 5.0, 6.0)
+
+    server.save()
+
+    assert server.text == WORLD.replace("# The end.", "# Mine.").replace("[5, 5, 0]", "[5, 6.0, 0]")
+
+
+@pytest.mark.parametrize(
+    ("models", "error"),
+    [
+        ("models: $include more.yaml", 'more.yaml:1: the model "e" is written here'),
+        ("models:\n- $[include] each.yaml", 'each.yaml:1: the model "e" is written here'),
+        (
+            "models: [{name: e, model: box.yaml, pose: &p [0, 0, 0]}, "
+            "{name: f, model: box.yaml, pose: *p}]",
+            "cannot be changed without changing others",
+        ),
+    ],
+)
+def test_what_cannot_be_changed_alone_is_left_as_it_is(files, models, error):
+    files.write("more.yaml", "[{name: e, model: box.yaml}]\n")
+    files.write("each.yaml", "{name: e, model: box.yaml}\n")
+    server = Server(files, f"properties: {{}}\nlayers: []\n{models}\n")
+    before = {path.name: path.read_bytes() for path in server.path.parent.iterdir()}
+    server.delete("e")
+
+    with pytest.raises(FlatlandError, match=error):
+        server.save()
+
+    assert {path.name: path.read_bytes() for path in server.path.parent.iterdir()} == before
+    assert server.edits.count == 1
+
+
+def test_a_copy_in_another_folder_finds_its_files_and_is_the_worlds_file_then(files, tmp_path):
+    files.write("more.yaml", "{name: e, model: box.yaml}\n")
+    walls = files.walls("room", "0 0 1 1")
+    text = (
+        f"properties: {{}}\nlayers: [{{name: walls, map: {walls}}}]\n"
+        "models: [{name: a, model: box.yaml}, $include more.yaml]\n"
+    )
+    server = Server(files, text)
+    server.spawn("d", 1.0, 2.0)
+    copy = tmp_path / "my worlds" / "copy.yaml"
+    copy.parent.mkdir()
+
+    server.save(copy)
+
+    assert server.text == text
+    again = server.world.read_config()
+    assert again.path == copy
+    assert [entry.name for entry in again.models] == ["a", "e", "d"]
+    assert server.host.opened == [str(copy)]
+    server.move("d", 2.0, 2.0)
+    server.save()
+    assert "[2.0, 2.0, 0.0]" in copy.read_text()
+
+
+def test_a_client_writes_worlds_alone(server, files, tmp_path):
+    (tmp_path / "diary.yaml").write_text("a: 1\n")
+    (tmp_path / "folder.yaml").mkdir()
+    for path, error in (
+        ("world.yaml", "expected an absolute path"),
+        (tmp_path / "diary.yaml", "expected a new file or a world, found something else"),
+        (tmp_path / "folder.yaml", "expected a new file or a world, found something else"),
+        (tmp_path / ".bashrc", r"expected a file \*.yaml"),
+        (tmp_path / "nowhere" / "world.yaml", "cannot write .*: No such file"),
+    ):
+        with pytest.raises(FlatlandError, match=error):
+            server.save(path)
+    kept = tmp_path / "kept"
+    kept.mkdir()
+    fenced = Server(files, WORLD, state_folder=kept)
+    with pytest.raises(FlatlandError, match="in the folders that the server's ~state_folder"):
+        fenced.save()
+    fenced.save(kept / "mine.yaml")
+    assert fenced.world.config.path == kept / "mine.yaml"
+
+
+def test_a_link_stays_a_link(server, tmp_path):
+    real = tmp_path / "real.yaml"
+    server.path.rename(real)
+    server.path.symlink_to(real)
+    server.move("c", 5.0, 6.0)
+
+    server.save()
+
+    assert server.path.is_symlink()
+    assert "[5, 6.0, 0]" in real.read_text()

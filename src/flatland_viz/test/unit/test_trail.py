@@ -1,0 +1,89 @@
+"""The ways of robots, and what their odometry believes."""
+
+import math
+from types import SimpleNamespace
+
+import pytest
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Float64
+
+from flatland_viz.model_list import Topic
+from flatland_viz.plotted_values import paths_of, split, value_of
+from flatland_viz.trail import Trails
+from flatland_viz.trail_display import odometry_topic
+
+
+def test_a_trail_has_a_point_every_few_centimetres_and_ends_where_time_goes_back_to():
+    trails = Trails()
+    for step in range(101):
+        trails.see("r1", step / 100, (step / 100, 0.0, 0.0))
+
+    assert 17 <= len(trails.of("r1").points) <= 21
+    before = trails.of("r1").revision
+    trails.see("r1", 0.5, (0.5, 0.0, 0.0))
+    assert trails.of("r1").points[-1][0] == pytest.approx(0.5, abs=0.06)
+    assert trails.of("r1").revision != before
+    assert trails.of("r2").points == []
+
+
+def test_a_robot_that_was_put_elsewhere_begins_anew():
+    trails = Trails()
+    for time, x in ((0.0, 0.0), (0.1, 0.1), (0.2, 3.0), (0.3, 3.1)):
+        trails.see("r1", time, (x, 0.0, 0.0))
+
+    assert trails.of("r1").points == [(3.0, 0.0), (3.1, 0.0)]
+
+
+def test_the_belief_begins_where_the_robot_is():
+    trails = Trails()
+    trails.see("r1", 0.0, (2.0, 3.0, math.pi / 2))
+    trails.believe("r1", 0.0, (10.0, 0.0, 0.0))
+    trails.believe("r1", 1.0, (11.0, 0.0, 0.0))
+
+    assert trails.belief_of("r1").points == [
+        pytest.approx((2.0, 3.0)),
+        pytest.approx((2.0, 4.0)),
+    ]
+    trails.believe("r2", 1.0, (0.0, 0.0, 0.0))  # not seen yet
+    assert trails.belief_of("r1").points == trails.belief_of("r2").points == []
+
+
+def test_the_odometry_of_a_robot_is_not_its_ground_truth():
+    def topic(name, is_published=True):
+        return Topic(name, "nav_msgs/Odometry", is_published, "drive")
+
+    names = ("/r1/odometry/ground_truth", "/r1/odometry/filtered")
+    robot = SimpleNamespace(topics=[topic("/in", False), *map(topic, names)])
+
+    assert odometry_topic(robot) == "/r1/odometry/filtered"
+    assert odometry_topic(SimpleNamespace(topics=[])) == odometry_topic(None) == ""
+
+
+def test_the_name_of_a_plot_is_a_topic_with_or_without_a_field():
+    topics = {"/r1/odom": "nav_msgs/Odometry", "/r1/odom/raw": "nav_msgs/Odometry"}
+
+    assert split("/r1/odom", topics) == ("/r1/odom", "")
+    assert split("/r1/odom/twist/twist/linear/x", topics) == ("/r1/odom", "twist.twist.linear.x")
+    assert split("/r1/odom/raw.pose", topics) == ("/r1/odom/raw", "pose")
+    assert split("/r1/odometry", topics) == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("message", "path", "expected"),
+    [
+        (Float64(2.0), "", {"data": 2.0}),
+        (Odometry(), "", {"twist.twist.linear.x": 0.0, "twist.twist.angular.z": 0.0}),
+        (Odometry(), "pose.pose.position.y", {"pose.pose.position.y": 0.0}),
+        (Twist(), "linear", {"linear.x": 0.0, "linear.y": 0.0, "linear.z": 0.0}),
+        (LaserScan(range_max=9.0, ranges=[math.inf, 3.0, 2.0]), "", {"nearest": 2.0}),
+        (LaserScan(ranges=[5.0]), "ranges[0]", {"ranges[0]": 5.0}),
+        (LaserScan(), "ranges[0]", {}),
+        (Float64(), "nothing", {}),
+    ],
+)
+def test_numbers_of_messages_are_found_by_their_path(message, path, expected):
+    paths = paths_of(message._type, message, path)
+
+    assert {each: value_of(message, each) for each in paths} == expected
