@@ -47,7 +47,8 @@ def test_tab_offers_arguments_values_commands_options_and_worlds(offers, tmp_pat
     for name in ("mine.yaml", "other.txt"):
         (tmp_path / name).touch()
     expected = {
-        "run scripts/run s": "step_size:= show_viz:= seed:= simplify_map:= state_folder:=",
+        "run scripts/run s": "step_size:= show_viz:= seed:= simplify_map:= state_folder:= "
+        "static_tf:=",
         "run scripts/run show_viz := ''": "true false",
         "run scripts/run world_path := ''": "mine.yaml",
         "run scripts/run m": "models:= map_to_odom:= mine.yaml",

@@ -101,6 +101,7 @@ def test_the_wheel_has_the_packages_worlds_and_definitions_and_nothing_else(whee
         "flatland_plugins",
         "flatland_bridge",
         "flatland_server",
+        "flatland_teleop",
     }
     assert not [name for name in names if "__pycache__" in name or "/test/" in name]
     server = {name.partition("/")[2] for name in names if name.startswith("flatland_server/")}

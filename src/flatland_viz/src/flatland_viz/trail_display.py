@@ -47,7 +47,7 @@ class TrailDisplay(QObject):
         self._subscriber: Optional[rospy.Subscriber] = None
         self._publisher: Optional[rospy.Publisher] = None
         self._published: Any = None
-        self.action = QAction("&Trail", self, objectName="action_show_trail")
+        self.action = QAction("T&rail", self, objectName="action_show_trail")
         self.action.setCheckable(True)
         self.action.setShortcut("T")
         self.action.setToolTip("The selected robot's way (blue), and its odometry's (orange)")
