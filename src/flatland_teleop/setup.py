@@ -1,4 +1,10 @@
 from catkin_pkg.python_setup import generate_distutils_setup
 from setuptools import setup
 
-setup(**generate_distutils_setup(packages=["flatland_teleop"], package_dir={"": "src"}))
+setup(
+    **generate_distutils_setup(
+        packages=["flatland_teleop"],
+        package_dir={"": "src"},
+        package_data={"flatland_teleop": ["py.typed"]},
+    )
+)
