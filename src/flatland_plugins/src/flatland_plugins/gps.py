@@ -1,9 +1,10 @@
-"""Gps: a perfectly accurate receiver of satellite navigation."""
+"""Gps: a receiver of satellite navigation."""
 
 from typing import Any
 
 from flatland_plugins.geodesy import Geodetic, TangentPlane
 from flatland_plugins.sensor_frame import SensorFrame, read_tf_topic, static_by_default
+from flatland_plugins.timed_noise import TimedNoise
 from flatland_server import (
     BatchRole,
     ModelPlugin,
@@ -22,9 +23,9 @@ NavSatStatus = messages.get("sensor_msgs/NavSatStatus")
 class Gps(ModelPlugin):
     """Publishes sensor_msgs/NavSatFix: the antenna's place, with the world's x east and y north.
 
-    The fix has no error: its covariance is zero, of the type "known". Many subscribers refuse fixes
-    of unknown covariance, or assume an error of their own; robot_localization's filters replace
-    zeros by a variance of 1e-9.
+    East and north have the noise of `noise_std_dev`, by default none, and its covariance, of the
+    type "known"; the altitude has no error. Many subscribers refuse fixes of unknown covariance, or
+    assume an error of their own; robot_localization's filters replace zeros by a variance of 1e-9.
     """
 
     batch_role = BatchRole()
@@ -38,9 +39,11 @@ class Gps(ModelPlugin):
         latitude = _read_degrees(config, "ref_lat", 90.0)
         longitude = _read_degrees(config, "ref_lon", 180.0)
         self._origin = config.get_pose("origin", Pose())
+        self._deviation = config.get_float("noise_std_dev", 0.0, minimum=0.0)
         config.finish()
 
         self._plane = TangentPlane(latitude, longitude)
+        self._noise = TimedNoise(self.rng) if self._deviation else None
         self._frame = SensorFrame(self, self._body, frame, tf_topic, self._origin)
         self.update_timer = UpdateTimer(update_rate)
         self._publisher = self.node.advertise(topic, "sensor_msgs/NavSatFix")
@@ -65,21 +68,25 @@ class Gps(ModelPlugin):
 
     def read(self, timekeeper: Timekeeper) -> Geodetic:
         """The antenna's latitude and longitude [deg], and its altitude [m]."""
-        return self._place()
+        return self._place(timekeeper.nanoseconds)
 
-    def _place(self) -> Geodetic:
+    def _place(self, nanoseconds: int) -> Geodetic:
         antenna = self._body.pose.compose(self._origin)
-        return self._plane.to_geodetic(antenna.x, antenna.y)
+        if self._noise is None:
+            return self._plane.to_geodetic(antenna.x, antenna.y)
+        east, north = self._noise.at(nanoseconds).normal(antenna[:2], self._deviation).tolist()
+        return self._plane.to_geodetic(east, north)
 
     def _fix(self, nanoseconds: int) -> Any:
-        place = self._place()
+        place = self._place(nanoseconds)
+        variance = self._deviation**2
         return NavSatFix(
             header=header(nanoseconds, self._frame.name),
             status=NavSatStatus(NavSatStatus.STATUS_FIX, NavSatStatus.SERVICE_GPS),
             latitude=place.latitude,
             longitude=place.longitude,
             altitude=place.altitude,
-            position_covariance=(0.0,) * 9,
+            position_covariance=(variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, 0.0),
             position_covariance_type=NavSatFix.COVARIANCE_TYPE_KNOWN,
         )
 

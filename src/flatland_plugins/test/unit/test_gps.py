@@ -3,6 +3,7 @@
 import math
 from typing import Any, Tuple
 
+import numpy as np
 import pyproj
 import pytest
 from sensor_msgs.msg import NavSatFix, NavSatStatus
@@ -108,6 +109,21 @@ def test_the_fix_says_that_it_is_perfectly_accurate(files):
     assert fix.status.service == NavSatStatus.SERVICE_GPS
     assert list(fix.position_covariance) == [0.0] * 9
     assert fix.position_covariance_type == NavSatFix.COVARIANCE_TYPE_KNOWN
+
+
+def test_its_noise_has_the_published_variance_and_depends_on_the_time_alone(files):
+    robot = files.robot(f"{GPS}, noise_std_dev: 0.5", pose="[30, -40, 0]")
+
+    fixes = robot.record(FIX, 30.0)
+
+    transformer = proj(0.0, 0.0)
+    places = [(fix.longitude, fix.latitude, fix.altitude) for fix in fixes]
+    errors = np.array([transformer.transform(*each, direction="INVERSE")[:2] for each in places])
+    errors -= [30.0, -40.0]
+    assert np.abs(errors.mean(axis=0)).max() < 0.1
+    assert np.cov(errors.T) == pytest.approx(0.25 * np.eye(2), abs=0.06)
+    assert list(fixes[0].position_covariance) == [0.25, 0, 0, 0, 0.25, 0, 0, 0, 0]
+    assert robot.read("gps") == robot.read("gps")
 
 
 def test_the_antennas_frame_has_the_plugins_name_and_sits_at_its_origin(files):

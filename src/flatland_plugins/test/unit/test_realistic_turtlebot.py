@@ -34,7 +34,7 @@ def test_its_body_is_that_of_the_perfect_one(office_with_it):
 
     assert real.config.bodies == perfect.config.bodies
     plugins = ({each.name for each in model.config.plugins} for model in (real, perfect))
-    assert next(plugins) == next(plugins) | {"imu"}
+    assert next(plugins) == next(plugins) | {"imu", "gps"}
 
 
 def test_it_drives_within_its_limits(office_with_it, caplog):
