@@ -275,6 +275,29 @@ def test_the_filter_has_the_robots_frames_topics_and_start():
     assert remaps_of(nodes_of(config)["/r1/ekf"]) == {("odometry/filtered", "odometry/filtered")}
 
 
+def test_with_gps_a_second_filter_localises_in_the_map():
+    config = load("ekf.launch", "ns:=r1", "x:=2.0", "yaw:=0.5", "gps:=true", "datum:=[48, 11, 0]")
+    ekf, navsat = params_of(config, "/r1/ekf_map"), params_of(config, "/r1/navsat_transform")
+
+    assert (ekf["map_frame"], ekf["world_frame"], ekf["odom_frame"]) == ("map", "map", "r1_odom")
+    assert ekf.get("publish_tf", True) and params_of(config, "/r1/ekf")["world_frame"] == "r1_odom"
+    assert (ekf["odom0"], ekf["odom1"], ekf["imu0"]) == ("wheel_odom", "odometry/gps", "imu/data")
+    assert ekf["initial_state"][:6] == [2.0, 0.0, 0.0, 0.0, 0.0, 0.5]
+    assert ekf["odom1_config"] == [True, True] + 13 * [False]
+    assert len(ekf["process_noise_covariance"]) == 15 * 15
+    assert navsat["datum"] == [48, 11, 0]
+    assert navsat["wait_for_datum"] and navsat["use_local_cartesian"]
+    for name in ("ekf_map", "navsat_transform"):
+        remaps = remaps_of(nodes_of(config)[f"/r1/{name}"])
+        assert remaps == {("odometry/filtered", "odometry/filtered_map")}
+    assert "/r1/ekf_map" not in nodes_of(load("ekf.launch", "ns:=r1"))
+
+
+def test_robot_launch_hands_gps_on(stack):
+    nodes = nodes_of(load("robot.launch", "ns:=r1", "ekf:=true", "gps:=true"))
+    assert "/r1/navsat_transform" in nodes
+
+
 def test_either_the_filter_or_the_drive_sends_the_transform(stack):
     for ekf in (True, False):
         config = load("robot.launch", "ns:=r1", f"ekf:={str(ekf).lower()}")
