@@ -280,13 +280,13 @@ def test_with_gps_a_second_filter_localises_in_the_map():
     ekf, navsat = params_of(config, "/r1/ekf_map"), params_of(config, "/r1/navsat_transform")
 
     assert (ekf["map_frame"], ekf["world_frame"], ekf["odom_frame"]) == ("map", "map", "r1_odom")
-    assert ekf.get("publish_tf", True) and params_of(config, "/r1/ekf")["world_frame"] == "r1_odom"
+    assert ekf["base_link_frame"] == "r1_base_link"
     assert (ekf["odom0"], ekf["odom1"], ekf["imu0"]) == ("wheel_odom", "odometry/gps", "imu/data")
     assert ekf["initial_state"][:6] == [2.0, 0.0, 0.0, 0.0, 0.0, 0.5]
     assert ekf["odom1_config"] == [True, True] + 13 * [False]
     assert len(ekf["process_noise_covariance"]) == 15 * 15
     assert navsat["datum"] == [48, 11, 0]
-    assert navsat["wait_for_datum"] and navsat["use_local_cartesian"]
+    assert navsat["wait_for_datum"] is navsat["use_local_cartesian"] is True
     for name in ("ekf_map", "navsat_transform"):
         remaps = remaps_of(nodes_of(config)[f"/r1/{name}"])
         assert remaps == {("odometry/filtered", "odometry/filtered_map")}
