@@ -275,27 +275,22 @@ def test_the_filter_has_the_robots_frames_topics_and_start():
     assert remaps_of(nodes_of(config)["/r1/ekf"]) == {("odometry/filtered", "odometry/filtered")}
 
 
-def test_with_gps_a_second_filter_localises_in_the_map():
-    config = load("ekf.launch", "ns:=r1", "x:=2.0", "yaw:=0.5", "gps:=true", "datum:=[48, 11, 0]")
+def test_with_gps_a_second_filter_localises_in_the_map(stack):
+    config = load("robot.launch", "ns:=r1", "x:=2.0", "yaw:=0.5", "ekf:=true", "gps:=true")
     ekf, navsat = params_of(config, "/r1/ekf_map"), params_of(config, "/r1/navsat_transform")
 
-    assert (ekf["map_frame"], ekf["world_frame"], ekf["odom_frame"]) == ("map", "map", "r1_odom")
+    assert (ekf["world_frame"], ekf["odom_frame"]) == ("map", "r1_odom")
     assert ekf["base_link_frame"] == "r1_base_link"
     assert (ekf["odom0"], ekf["odom1"], ekf["imu0"]) == ("wheel_odom", "odometry/gps", "imu/data")
     assert ekf["initial_state"][:6] == [2.0, 0.0, 0.0, 0.0, 0.0, 0.5]
     assert ekf["odom1_config"] == [True, True] + 13 * [False]
     assert len(ekf["process_noise_covariance"]) == 15 * 15
-    assert navsat["datum"] == [48, 11, 0]
+    assert navsat["datum"] == [0.0, 0.0, 0.0]  # the defaults of Gps
     assert navsat["wait_for_datum"] is navsat["use_local_cartesian"] is True
     for name in ("ekf_map", "navsat_transform"):
         remaps = remaps_of(nodes_of(config)[f"/r1/{name}"])
         assert remaps == {("odometry/filtered", "odometry/filtered_map")}
     assert "/r1/ekf_map" not in nodes_of(load("ekf.launch", "ns:=r1"))
-
-
-def test_robot_launch_hands_gps_on(stack):
-    nodes = nodes_of(load("robot.launch", "ns:=r1", "ekf:=true", "gps:=true"))
-    assert "/r1/navsat_transform" in nodes
 
 
 def test_either_the_filter_or_the_drive_sends_the_transform(stack):
