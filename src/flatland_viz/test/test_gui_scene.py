@@ -220,6 +220,8 @@ def test_an_arrow_is_small_on_a_large_robot(window):
     u, v = window.map.pixel(-3.0, 0.0)
     window.screen.move((u, v))
     window.screen.xdotool("click", "--repeat", 20, "--delay", 30, 4)
+    _, _, right, bottom = window.screen.inside(window.id)
+    window.screen.move((right - 20, bottom - 20))  # else a tooltip covers the robot after a while
     reach = window.screen.px(30)
 
     def arrow():
