@@ -135,7 +135,7 @@ class Teams:
 
 
 class Crowd:
-    """Agents who cross an open place by ORCA, without robots and scans.
+    """Agents that cross an open place by ORCA, without robots and scans.
 
     Args:
         robots: how many agents.

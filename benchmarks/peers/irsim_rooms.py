@@ -98,7 +98,7 @@ class Batch:
 
 
 class Crowd:
-    """Agents who cross an open place by ORCA, which ir-sim leaves to pyrvo, a binding of RVO2.
+    """Agents that cross an open place by ORCA, which ir-sim leaves to pyrvo, a binding of RVO2.
 
     Args:
         robots: how many agents.

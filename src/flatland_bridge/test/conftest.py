@@ -16,7 +16,7 @@ def world(tmp_path):
 
 @pytest.fixture
 def server(world):
-    """A server whose simulation is paused."""
+    """A server with a paused simulation."""
     with running(world, is_paused=True) as each:
         yield each
 

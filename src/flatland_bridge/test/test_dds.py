@@ -53,7 +53,7 @@ def domain(monkeypatch):
 
 @pytest.fixture
 def server(world, domain):
-    """A server whose simulation is paused."""
+    """A server with a paused simulation."""
     with running(world, is_paused=True, ros2="jazzy") as each:
         yield each
 

@@ -1,4 +1,4 @@
-"""How long a program and the server take to start."""
+"""The start of a program and of the server: imports, and the time until a world runs."""
 
 import os
 import re

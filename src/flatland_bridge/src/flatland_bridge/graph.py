@@ -76,7 +76,7 @@ class Topics(NamedTuple):
     Attributes:
         published: topics with a publisher.
         subscribed: topics with a subscriber.
-        latched: names of topics whose last message new subscribers get.
+        latched: names of the topics that send their last message to new subscribers.
     """
 
     published: Dict[str, str]

@@ -83,7 +83,7 @@ class Server:
         access: who may connect.
         rosbridge_port: of rosbridge and the page; 0 takes a free one.
         foxglove_port: of Foxglove; 0 takes a free one.
-        ros2: the distribution of ROS 2 whose nodes get the topics over DDS; None is none.
+        ros2: the distribution of the ROS 2 nodes that get the topics over DDS; None for no DDS.
 
     Attributes:
         dds: what serves ROS 2, if anything.

@@ -26,7 +26,7 @@ class SharedTransport(ThreadCalls, LocalTransport):
 
     Attributes:
         types: the types of all topics that were opened, by absolute name.
-        latched: the absolute names of those whose last message new subscribers get.
+        latched: the absolute names of those that send their last message to new subscribers.
         is_ending: makes `process` return at once.
     """
 

@@ -25,7 +25,7 @@ class Failure(FlatlandError):
 
 
 def with_result(action: Action) -> Action:
-    """An action whose response has a result, also when it fails.
+    """An action that returns a result in its response, also when it fails.
 
     Args:
         action: may raise a Failure, or what fails without a code of its own.

@@ -206,7 +206,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         return self._observations(), self._infos(chosen)
 
     def _own_state(self, index: int) -> Dict[str, Any]:
-        """What an environment's state has besides that of `navigation`."""
+        """The part of an environment's state that `navigation` does not have."""
         return {
             "rng": self._generator(index).bit_generator.state,
             "seed": self._seeds[index],

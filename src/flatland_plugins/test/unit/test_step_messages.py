@@ -115,7 +115,7 @@ DRIFT = "odom_drift: {translation_per_metre: 0.1, rotation_per_radian: 0.1, trac
 
 
 def run(files, by_core: bool, drive: str) -> BytesTransport:
-    """What a robot that is pushed has sent in 50 steps."""
+    """The messages of 50 steps of a robot that is pushed."""
     classes = (DiffDrive, ModelTfPublisher, Laser, Pusher, WatchedDrive)
     transport = BytesTransport(by_core)
     simulation = files.robot(

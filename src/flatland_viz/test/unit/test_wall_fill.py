@@ -44,7 +44,7 @@ def fill(tmp_path_factory):
 
 
 def covered(triangles, points):
-    """How many triangles each point is in."""
+    """The number of triangles that each point is in."""
     a, b, c = triangles[:, 0, None], triangles[:, 1, None], triangles[:, 2, None]
 
     def side(p, q):

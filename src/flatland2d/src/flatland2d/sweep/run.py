@@ -67,7 +67,7 @@ SCORED = (
     "localization_error",
     "max_localization_error",
 )
-"""Those of a `GoalScore`."""
+"""The metrics that a `GoalScore` has."""
 
 
 class RunObserver:
@@ -337,7 +337,7 @@ class SweepRun:
 
 
 def _drive_of(simulation: Simulation, robot: ModelHandle) -> Optional[_core.Drive]:
-    """The drive of the core whose command is a velocity, if the robot has one."""
+    """The core's drive that is commanded by a velocity, if the robot has one."""
     for plugin in simulation.world.plugins_of(robot.name).values():
         core = plugin.batch_role.drive if plugin.batch_role else None
         drive = core.drive if core else None
