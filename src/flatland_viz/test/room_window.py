@@ -67,6 +67,18 @@ class RoomWindow:
         assert self.screen.has(dialog), (title, self.screen.frame(dialog))
         return dialog
 
+    def choose_model(self, file, name=""):
+        """Chooses a model to spawn in the palette: by its file, with a name of its own if given."""
+        self.press("a")
+        self.wait_for_dialog("Spawn Model")
+        self.screen.key("alt+f", "ctrl+a")
+        self.screen.type(file)
+        if name:
+            self.screen.key("alt+n", "ctrl+a")
+            self.screen.type(name)
+        self.screen.key("Return")
+        self.screen.wait_until_closed("Spawn Model")
+
     def wait_for_state(self, **values):
         def holds():
             state = self.ros.state()

@@ -158,14 +158,7 @@ def test_another_world_is_opened_and_the_first_one_again(window):
 
 
 def test_a_spawn_that_was_refused_is_tried_again_at_its_place(window):
-    window.press("a")
-    window.wait_for_dialog("Spawn Model")
-    window.screen.key("alt+f", "ctrl+a")
-    window.screen.type(BOX)
-    window.screen.key("alt+n", "ctrl+a")
-    window.screen.type("turtlebot")
-    window.screen.key("Return")
-    window.screen.wait_until_closed("Spawn Model")
+    window.choose_model(BOX, "turtlebot")
     window.screen.drag([window.map.pixel(x, 1.5) for x in (1.5, 2.0, 2.5)])
     window.wait_for_dialog("Spawn Model")  # the name is taken
     window.screen.picture("window_taken")
@@ -227,12 +220,7 @@ def test_a_model_is_spawned_by_a_click_on_its_picture_and_a_press_a_drag_and_a_r
 
 
 def test_escape_leaves_a_tool_from_anywhere(window):
-    window.press("a")
-    window.wait_for_dialog("Spawn Model")
-    window.screen.key("alt+f", "ctrl+a")
-    window.screen.type(BOX)
-    window.screen.key("Return")
-    window.screen.wait_until_closed("Spawn Model")
+    window.choose_model(BOX)
     window.key("ctrl+f")  # the search in the list of models has the keyboard
     window.screen.key("Escape")
     window.waiting(lambda: not window.has_hint(), "the hint to go")
@@ -268,14 +256,7 @@ def is_marked(window):
 def test_edits_are_marked_undone_redone_and_saved(window):
     window.world.write_text(WORLD + "# mine\n")
     window.key("F5")
-    window.press("a")
-    window.wait_for_dialog("Spawn Model")
-    window.screen.key("alt+f", "ctrl+a")
-    window.screen.type(BOX)
-    window.screen.key("alt+n", "ctrl+a")
-    window.screen.type("crate")
-    window.screen.key("Return")
-    window.screen.wait_until_closed("Spawn Model")
+    window.choose_model(BOX, "crate")
     window.screen.drag([window.map.pixel(x, 1.5) for x in (1.5, 2.5)])
     window.wait_for_models("turtlebot", "crate")
     window.waiting(lambda: is_marked(window), "the mark")
