@@ -13,16 +13,17 @@
 /// if it is proven that all lines from the cell to it are blocked: if a single wall, or a chain of
 /// walls (occluders.hpp), crosses them all, or, after the cell or the wall has been halved, walls
 /// that do so for each half. To be on the safe side, a wall for which this does not succeed soon
-/// counts as seen. So a scan is the same with these walls as with all. Walls that scans from the
-/// corners of the cell see are taken at once; those that turn their back on it, and so are hidden
-/// by others of their outline, are left out at once.
+/// counts as seen. So a scan is the same with these walls as with all. Most walls are hidden with
+/// the box of the tree that they are in: a depth buffer for the cell shows which (umbras.hpp).
+/// Walls that scans from the corners of the cell see are taken at once; those that turn their back
+/// on it, and so are hidden by others of their outline, are left out at once.
 ///
-/// A search takes some milliseconds; that for a cell of half a metre less than one if the walls of
-/// the cell of a metre around it are known, as only these and their chains matter. So that no step
-/// is late, a scan from a cell that waits for its walls makes a part of the first search that waits
-/// (wall_search.hpp). Searches take much memory, so only as many are begun as there are threads.
-/// In a batch no step is awaited by itself: its scans make whole searches, so that none has to be
-/// drawn without them meanwhile. Batches keep what is known in a file (wall_cache.py).
+/// A search takes one or two milliseconds; that for a cell of half a metre less than one if the
+/// walls of the cell of a metre around it are known, as only these and their chains matter. So that
+/// no step is late, a scan from a cell that waits for its walls makes a part of the first search
+/// that waits (wall_search.hpp). Searches take much memory, so only as many are begun as there are
+/// threads. In a batch no step is awaited by itself: its scans make whole searches, so that none
+/// has to be drawn without them meanwhile. Batches keep what is known in a file (wall_cache.py).
 
 #include <atomic>
 #include <climits>

@@ -39,13 +39,6 @@ class Occluders {
   /// The occluders of a layer. They refer to its walls, which must live as long.
   explicit Occluders(const SegmentTree& walls);
 
-  /// Calls `visit(occluder)`, while it returns true, for all those in boxes that `place.Meets`;
-  /// returns whether it always did.
-  template <class Place, class Visitor>
-  bool ForEachMeeting(const Place& place, const Visitor& visit) const {
-    return tree_.segment_count() == 0 || ForEachIn(tree_.root(), place, visit);
-  }
-
   /// The tree of their lines, and the occluder with an index in its segments().
   const SegmentTree& tree() const { return tree_; }
   Occluder Get(uint32_t index) const {
@@ -80,16 +73,6 @@ class Occluders {
  private:
   std::unique_ptr<const SegmentTree> AddChains(const SegmentTree& walls);
   void AddOutline(const Walk& chain, const std::vector<Segment>& walls);
-  template <class Place, class Visitor>
-  bool ForEachIn(const SegmentTree::Child& child, const Place& place, const Visitor& visit) const {
-    if (!place.Meets(child.box)) return true;
-    if (!child.is_leaf()) {
-      const auto& children = tree_.node(child).children;
-      return ForEachIn(children[0], place, visit) && ForEachIn(children[1], place, visit);
-    }
-    return tree_.ForEachWall(static_cast<size_t>(~child.index),
-                             [&](uint32_t index) { return visit(Get(index)); });
-  }
 
   size_t wall_count_;
   std::vector<Chain> chains_;       // of the chords, which come after the walls

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include "flatland_server/depth_buffer.hpp"
+#include "umbras.hpp"
 
 namespace flatland {
 namespace {
@@ -45,29 +45,20 @@ std::array<Box, 2> Halves(const Box& box) {
   return halves;
 }
 
-/// A wall that may be hidden, or a box with walls.
+/// A wall that may be hidden, or a part of one.
 struct Target {
-  explicit Target(const Box& box) : corners(CornersOf(box)), count(4), bounds(box) {}
-  explicit Target(const Segment& wall)
-      : corners{wall.a, wall.b, {}, {}}, count(2), bounds(BoxOf(wall)) {}
+  explicit Target(const Segment& wall) : ends{wall.a, wall.b}, bounds(BoxOf(wall)) {}
 
   std::array<Target, 2> Halves() const {
-    if (count == 4) {
-      const auto [low, high] = flatland::Halves(bounds);
-      return {Target(low), Target(high)};
-    }
-    const Vec2 middle = 0.5 * (corners[0] + corners[1]);
-    return {Target(Segment{corners[0], middle}), Target(Segment{middle, corners[1]})};
+    const Vec2 middle = 0.5 * (ends[0] + ends[1]);
+    return {Target(Segment{ends[0], middle}), Target(Segment{middle, ends[1]})};
   }
 
-  std::array<Vec2, 4> corners;
-  int count;
+  std::array<Vec2, 2> ends;
   Box bounds;
 };
 
-Vec2 Middle(const Target& target) {
-  return target.count == 4 ? Middle(target.bounds) : 0.5 * (target.corners[0] + target.corners[1]);
-}
+Vec2 Middle(const Target& target) { return 0.5 * (target.ends[0] + target.ends[1]); }
 
 /// True if a line between these boxes that crosses the occluder is blocked by it: a wall blocks all
 /// lines, a chord those that begin and end outside of its chain's box.
@@ -77,9 +68,9 @@ bool Counts(const Occluder& occluder, const Box& from, const Target& target) {
 }
 
 /// True if an occluder crosses all lines from a box to a target. They all cross its line between
-/// the points where those from corner to corner do. A wall may touch one that it hides, as at the
-/// edges of a pillar, but neither lie in its line nor touch a box, which may be that of the wall
-/// itself. Lines may pass a wall just past its ends, but a chord only before them.
+/// the points where those from corner to end do. A wall may touch one that it hides, as at the
+/// edges of a pillar, but not lie in its line. Lines may pass a wall just past its ends, but a
+/// chord only before them.
 bool Blocks(const Occluder& occluder, const Box& from, const Target& target) {
   if (!Counts(occluder, from, target)) return false;
   const Segment& wall = occluder.line;
@@ -96,13 +87,13 @@ bool Blocks(const Occluder& occluder, const Box& from, const Target& target) {
     if (height <= tolerance) return false;
   }
   bool is_behind = false;
-  for (int k = 0; k < target.count; ++k) {
-    const double depth = -side * Cross(along, target.corners[k] - wall.a);
-    if (depth < 0.0 || (target.count == 4 && depth <= tolerance)) return false;
+  for (const Vec2& end : target.ends) {
+    const double depth = -side * Cross(along, end - wall.a);
+    if (depth < 0.0) return false;
     is_behind = is_behind || depth > tolerance;
     for (int i = 0; i < 4; ++i) {
-      // Where the line from corner i to corner k crosses, from 0 to 1 along the wall.
-      const Vec2 way = heights[i] * (target.corners[k] - wall.a) + depth * (corners[i] - wall.a);
+      // Where the line from corner i to this end crosses, from 0 to 1 along the wall.
+      const Vec2 way = heights[i] * (end - wall.a) + depth * (corners[i] - wall.a);
       const double place = Dot(along, way);
       const double whole = (heights[i] + depth) * square_length;
       if (place < -past_ends * whole || place > (1.0 + past_ends) * whole) return false;
@@ -127,7 +118,7 @@ class Line {
     return std::abs(Cross(way_, Middle(box) - a_)) <= reach * (1.0 + 1e-9) + 1e-12;
   }
   /// True if it crosses a segment before its end.
-  bool Crosses(const Segment& segment) const {
+  bool Meets(const Segment& segment) const {
     const double right = Cross(way_, segment.a - a_), left = Cross(way_, segment.b - a_);
     if ((right > 0.0 && left > 0.0) || (right < 0.0 && left < 0.0)) return false;
     const Vec2 along = segment.b - segment.a;
@@ -190,14 +181,14 @@ class Shaft {
       }
       return found;
     };
-    Vec2 one = farthest(corners.data(), 4), other = farthest(target.corners.data(), target.count);
+    Vec2 one = farthest(corners.data(), 4), other = farthest(target.ends.data(), 2);
     for (int turns = 0; turns < 2; ++turns) {
       const Vec2 way = other - one, across{-way.y, way.x};
       const double sign = Dot(across, normal);
       if (sign == 0.0) break;
       normal = sign > 0.0 ? across : -1.0 * across;
       one = farthest(corners.data(), 4);
-      other = farthest(target.corners.data(), target.count);
+      other = farthest(target.ends.data(), 2);
     }
     return {normal, std::max(Dot(normal, one), Dot(normal, other))};
   }
@@ -212,14 +203,23 @@ class WallSearch::Finder {
  public:
   Finder(const SegmentTree& walls, const Occluders& occluders, const Box& from,
          const std::vector<uint32_t>* among)
-      : walls_(walls), occluders_(occluders), from_(from), places_(occluders.outlines().size()) {
-    if (among != nullptr) {
-      for (auto i = among->rbegin(); i != among->rend(); ++i) {
-        pending_.push_back({{{}, static_cast<int32_t>(*i)}, true});
-      }
-      among_ = occluders.AreOf(*among);
-    } else if (walls.segment_count() > 0) {
+      : walls_(walls),
+        occluders_(occluders),
+        from_(from),
+        places_(occluders.outlines().size()),
+        umbras_(from) {
+    if (walls.segment_count() == 0) return;
+    if (among == nullptr) {
+      unsearched_.push_back(occluders.tree().root());
       pending_.push_back({walls.root(), false});
+      return;
+    }
+    const std::vector<bool> counts = occluders.AreOf(*among);
+    for (size_t leaf = 0; leaf < occluders.tree().leaf_count(); ++leaf) {
+      AddNear(leaf, [&](uint32_t index) { return counts[index]; });
+    }
+    for (auto i = among->rbegin(); i != among->rend(); ++i) {
+      pending_.push_back({{{}, static_cast<int32_t>(*i)}, true});
     }
   }
 
@@ -230,7 +230,7 @@ class WallSearch::Finder {
       if (samples_.size() < kSamples) {
         AddSample();
       } else if (!unsearched_.empty()) {
-        CollectCandidates();
+        CollectOccluders();
       } else if (!parts_.empty()) {
         VisitPart();
       } else {
@@ -243,7 +243,13 @@ class WallSearch::Finder {
   const std::vector<uint32_t>& seen() const { return seen_; }
 
  private:
-  static constexpr int kRecent = 8;
+  /// Neighbours among the near occluders, up to that with the index `end`.
+  struct Group {
+    Box box;
+    size_t end;
+  };
+
+  static constexpr size_t kRecent = 8;
 
   /// Where the cell is, as seen from an outline.
   enum class Place : uint8_t { kUnknown, kInside, kOutside, kOnIt };
@@ -274,17 +280,15 @@ class WallSearch::Finder {
     for (const Sample& sample : samples_) {
       const Vec2 a = line.a - sample.point, b = line.b - sample.point, along = b - a;
       const double cross = Cross(a, b);
+      if (cross == 0.0) continue;  // seen edge-on, or from an end
       const Vec2 &right = cross > 0.0 ? a : b, &left = cross > 0.0 ? b : a;
-      const double unit = kSampleBeams / (2.0 * M_PI);
-      int beam = static_cast<int>((std::atan2(right.y, right.x) + M_PI) * unit) + 1;
-      double width = std::atan2(std::abs(cross), Dot(a, b)) * unit;
-      for (int n = static_cast<int>(width); n >= 0; --n, ++beam) {
-        const int k = beam % kSampleBeams;
-        const Vec2 way = Fan().direction(k);
-        const double across = Cross(way, along);
-        const double distance = Cross(a, along) / across;
-        if (Cross(way, right) > 0.0 || Cross(way, left) < 0.0) continue;
-        if (distance <= sample.ranges[k] * (1.0 + 1e-6)) return true;
+      for (const BeamFan::Run& run : Fan().BeamsBetween(right, left)) {
+        for (int k = run.begin; k < run.end; ++k) {
+          const Vec2 way = Fan().direction(k);
+          if (Cross(way, right) > 0.0 || Cross(way, left) < 0.0) continue;
+          const double reached = sample.ranges[k] * (1.0 + 1e-6) * std::abs(Cross(way, along));
+          if (std::abs(cross) <= reached) return true;
+        }
       }
     }
     return false;
@@ -305,6 +309,7 @@ class WallSearch::Finder {
   };
 
   void VisitPending() {
+    effort_ -= 15;
     const Pending next = pending_.back();
     pending_.pop_back();
     if (next.is_wall) {
@@ -314,14 +319,15 @@ class WallSearch::Finder {
         seen_.push_back(wall_);
         return;
       }
-      shaft_.reset();
-      candidates_.clear();
+      const Target target(walls_.segments()[wall_]);
+      if (umbras_.Hide(walls_.segments()[wall_]) || IsHiddenByOne(target)) return;
+      CollectCandidates(target);
       lines_ = kMaxLines;
-      parts_.push_back({from_, Target(walls_.segments()[wall_]), kMaxHalvings, 0, 0});
+      parts_.push_back({from_, target, kMaxHalvings, 0, candidates_.size()});
       return;
     }
     const SegmentTree::Child& child = next.child;
-    if (AreApart(from_, child.box) && IsBoxHidden(Target(child.box))) return;
+    if (umbras_.Hide(child.box)) return;
     const auto begin = static_cast<ptrdiff_t>(pending_.size());
     if (!child.is_leaf()) {
       for (const SegmentTree::Child& each : walls_.node(child).children) {
@@ -334,18 +340,6 @@ class WallSearch::Finder {
       });
     }
     std::reverse(pending_.begin() + begin, pending_.end());
-  }
-
-  /// True if a single occluder hides it all; looks for it along one line.
-  bool IsBoxHidden(const Target& target) {
-    if (BlocksRecent(from_, target)) return true;
-    const Line line(Middle(from_), Middle(target));
-    return !occluders_.ForEachMeeting(line, [&](const Occluder& each) {
-      --effort_;
-      const bool is_hidden = line.Crosses(each.line) && Blocks(each, from_, target);
-      if (is_hidden) Remember(each);
-      return !is_hidden;
-    });
   }
 
   /// True if a wall is hidden by others of its outline: all of the cell is behind its back.
@@ -381,43 +375,94 @@ class WallSearch::Finder {
 
   /// The present wall is hidden if all of its parts are.
   void VisitPart() {
-    Part part = parts_.back();
-    const bool may_be_hidden = AreApart(part.from, part.target.bounds);
-    if (may_be_hidden && BlocksRecent(part.from, part.target)) {
-      parts_.pop_back();
-    } else if (may_be_hidden && !shaft_) {
-      if (IsBoxHidden(part.target)) {
-        parts_.pop_back();
-        return;
-      }
-      // It is visited again when what may hide the wall has been collected.
-      shaft_.emplace(from_, Target(walls_.segments()[wall_]));
-      unsearched_.push_back(occluders_.tree().root());
-    } else {
-      parts_.pop_back();
-      if (part.halvings == kMaxHalvings) part.end = candidates_.size();
-      if (may_be_hidden && lines_-- > 0 && IsHiddenOrDivided(part)) return;
-      parts_.clear();
-      seen_.push_back(wall_);
-    }
+    const Part part = parts_.back();
+    parts_.pop_back();
+    const bool may_be_hidden = AreApart(part.from, part.target.bounds) && lines_-- > 0;
+    if (may_be_hidden && IsHiddenOrDivided(part)) return;
+    parts_.clear();
+    seen_.push_back(wall_);
   }
 
-  /// Collects what may hide a part of the present wall from a box of the tree.
-  void CollectCandidates() {
+  /// Adds the occluders in a box to the umbras, the nearer ones first, but those that are hidden.
+  void CollectOccluders() {
     const SegmentTree::Child child = unsearched_.back();
     unsearched_.pop_back();
-    if (!shaft_->Meets(child.box)) return;
+    if (umbras_.Hide(child.box)) return;
+    const SegmentTree& tree = occluders_.tree();
     if (!child.is_leaf()) {
-      const auto& children = occluders_.tree().node(child).children;
-      unsearched_.push_back(children[1]);
-      unsearched_.push_back(children[0]);
+      const SegmentTree::Child* nearer = tree.node(child).children;
+      const SegmentTree::Child* farther = nearer + 1;
+      const Vec2 middle = Middle(from_);
+      if (farther->box.SquareDistance(middle) < nearer->box.SquareDistance(middle)) {
+        std::swap(nearer, farther);
+      }
+      unsearched_.push_back(*farther);
+      unsearched_.push_back(*nearer);
       return;
     }
-    occluders_.tree().ForEachWall(static_cast<size_t>(~child.index), [&](uint32_t index) {
-      --effort_;
-      if (!among_.empty() && !among_[index]) return true;
+    AddNear(static_cast<size_t>(~child.index), [&](uint32_t index) {
+      effort_ -= 15;
       const Occluder each = occluders_.Get(index);
-      if (shaft_->Meets(each.line)) candidates_.push_back(each);
+      if (umbras_.Hide(each.line)) return false;
+      umbras_.Add(each);
+      return true;
+    });
+  }
+
+  /// Adds those occluders of a leaf that count to the near ones.
+  template <class Counts>
+  void AddNear(size_t leaf, Counts counts) {
+    Group group;
+    occluders_.tree().ForEachWall(leaf, [&](uint32_t index) {
+      if (!counts(index)) return true;
+      near_.push_back(occluders_.Get(index));
+      group.box.Add(near_.back().line);
+      return true;
+    });
+    group.end = near_.size();
+    if (group.end > (groups_.empty() ? 0 : groups_.back().end)) groups_.push_back(group);
+  }
+
+  /// Calls `visit(occluder)` for the near ones that a place meets while it returns true; returns
+  /// whether it did.
+  template <class Place, class Visit>
+  bool ForEachNear(const Place& place, const Visit& visit) {
+    effort_ -= static_cast<int>(groups_.size()) / 2;
+    size_t i = 0;
+    for (const Group& group : groups_) {
+      if (place.Meets(group.box)) {
+        for (; i < group.end; ++i) {
+          if (place.Meets(near_[i].line) && !visit(near_[i])) return false;
+        }
+      }
+      i = group.end;
+    }
+    return true;
+  }
+
+  /// True if a single occluder hides it all: one that has hidden others, or one that its middle
+  /// line meets.
+  bool IsHiddenByOne(const Target& target) {
+    if (!AreApart(from_, target.bounds)) return false;
+    const auto hides = [&](const Occluder& each) { return Blocks(each, from_, target); };
+    const auto known = std::find_if(recent_.begin(), recent_.end(), hides);
+    if (known != recent_.end()) {
+      std::rotate(recent_.begin(), known, known + 1);
+      return true;
+    }
+    return !ForEachNear(Line(Middle(from_), Middle(target)), [&](const Occluder& each) {
+      if (!hides(each)) return true;
+      if (recent_.size() == kRecent) recent_.pop_back();
+      recent_.insert(recent_.begin(), each);
+      return false;
+    });
+  }
+
+  /// Collects what may hide a part of a target.
+  void CollectCandidates(const Target& target) {
+    candidates_.clear();
+    ForEachNear(Shaft(from_, target), [&](const Occluder& each) {
+      if (Counts(each, from_, target)) candidates_.push_back(each);
       return true;
     });
   }
@@ -427,22 +472,24 @@ class WallSearch::Finder {
   /// be hidden, which are to be visited then.
   bool IsHiddenOrDivided(const Part& part) {
     const Line line(Middle(part.from), Middle(part.target));
-    const Shaft shaft(part.from, part.target);
-    candidates_.resize(part.end);
+    effort_ -= static_cast<int>(part.end - part.begin);
     bool is_blocked = false;
     for (size_t i = part.begin; i < part.end; ++i) {
-      const Occluder each = candidates_[i];
-      --effort_;
-      if (!shaft.Meets(each.line) || !Counts(each, part.from, part.target)) continue;
-      candidates_.push_back(each);
-      if (!line.Crosses(each.line)) continue;
+      const Occluder& each = candidates_[i];
+      if (!line.Meets(each.line) || !Counts(each, part.from, part.target)) continue;
       is_blocked = true;
-      if (!Blocks(each, part.from, part.target)) continue;
-      Remember(each);
-      return true;
+      const bool is_whole = part.halvings == kMaxHalvings;  // IsHiddenByOne has tried these
+      if (!is_whole && Blocks(each, part.from, part.target)) return true;
+    }
+    if (!is_blocked || part.halvings == 0) return false;
+    const Shaft shaft(part.from, part.target);
+    candidates_.resize(part.end);
+    for (size_t i = part.begin; i < part.end; ++i) {
+      const Occluder each = candidates_[i];
+      const bool counts = Counts(each, part.from, part.target);
+      if (counts && shaft.Meets(each.line)) candidates_.push_back(each);
     }
     const size_t begin = part.end, end = candidates_.size();
-    if (!is_blocked || part.halvings == 0) return false;
     const Vec2 size = part.from.high - part.from.low;
     const Vec2 target_size = part.target.bounds.high - part.target.bounds.low;
     if (std::max(size.x, size.y) > std::max(target_size.x, target_size.y)) {
@@ -457,42 +504,25 @@ class WallSearch::Finder {
     return true;
   }
 
-  /// True if one of the occluders that have hidden other targets blocks all lines.
-  bool BlocksRecent(const Box& from, const Target& target) {
-    for (int i = 0; i < recent_count_; ++i) {
-      if (!Blocks(recent_[i], from, target)) continue;
-      std::rotate(recent_.begin(), recent_.begin() + i, recent_.begin() + i + 1);
-      return true;
-    }
-    return false;
-  }
-
-  void Remember(const Occluder& occluder) {
-    recent_count_ = std::min(recent_count_ + 1, kRecent);
-    std::rotate(recent_.begin(), recent_.begin() + recent_count_ - 1,
-                recent_.begin() + recent_count_);
-    recent_[0] = occluder;
-  }
-
   const SegmentTree& walls_;
   const Occluders& occluders_;
   const Box from_;
   std::vector<Place> places_;  // of the cell, by outline
   std::vector<Sample> samples_;
   DepthBuffer buffer_;
-  std::vector<bool> among_;       // for each occluder, whether it counts; empty if all do
-  int effort_ = 0;                // that is left in this portion
-  std::vector<Pending> pending_;  // the next one last, as in those below
+  Umbras umbras_;
+  std::vector<SegmentTree::Child> unsearched_;  // boxes with occluders
+  std::vector<Occluder> near_;                  // those that others do not hide
+  std::vector<Group> groups_;                   // of them
+  std::vector<Occluder> recent_;                // those that have hidden others, the last one first
+  int effort_ = 0;                              // that is left in this portion
+  std::vector<Pending> pending_;                // the next one last, as in those below
   std::vector<uint32_t> seen_;
-  std::array<Occluder, kRecent> recent_;  // those that have hidden others, the last one first
-  int recent_count_ = 0;
 
-  uint32_t wall_ = 0;                           // the present one
-  std::vector<Part> parts_;                     // of the present wall
-  int lines_ = 0;                               // that may still be followed for it
-  std::optional<Shaft> shaft_;                  // all lines to it, if candidates are needed
-  std::vector<SegmentTree::Child> unsearched_;  // boxes with candidates
-  std::vector<Occluder> candidates_;            // what may hide a part of it
+  uint32_t wall_ = 0;                 // the present one
+  std::vector<Part> parts_;           // of the present wall
+  int lines_ = 0;                     // that may still be followed for it
+  std::vector<Occluder> candidates_;  // what may hide a part of it
 };
 
 WallSearch::WallSearch(const SegmentTree& walls, const Occluders& occluders, const Box& from,
