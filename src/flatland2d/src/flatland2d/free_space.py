@@ -2,17 +2,19 @@
 
 import math
 from functools import lru_cache
-from typing import Dict, Iterable, Tuple
+from typing import Dict, Iterable, Optional, Sequence, Tuple
 
 import numpy as np
 
+from flatland_server import _core
 from flatland_server.arguments import shown, whole_number
-from flatland_server.array_math import squared_distances
 from flatland_server.arrays import BoolArray, FloatArray, Segments
 from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point, Pose
 
 _MAX_SQUARES = 4_000_000
+Circles = Sequence[Tuple[float, float, float]]
+"""x, y and radius [m] of discs."""
 _HALF_DIAGONAL = math.sqrt(0.5)  # of a square, in units of its side
 
 
@@ -40,15 +42,14 @@ class FreeSpace:
     ) -> None:
         self.clearance = clearance
         self.resolution = resolution
-        self._reachable = reachable
+        self._reachable = np.ascontiguousarray(reachable)
         self._origin = origin
-        self._x, self._y = origin.tolist()
-        self._rows, self._columns = np.nonzero(reachable)
+        self._squares = _core.FloorSquares(self._reachable, origin.tolist(), resolution)
 
     @property
     def area(self) -> float:
         """The area of all reachable squares [m^2]."""
-        return len(self._rows) * self.resolution**2
+        return len(self._squares) * self.resolution**2
 
     def contains(self, points: FloatArray) -> BoolArray:
         """True where a point is in a reachable square: shape (n,).
@@ -74,10 +75,7 @@ class FreeSpace:
             x: of the point [m].
             y: of the point [m].
         """
-        column = math.floor((x - self._x) / self.resolution)
-        row = math.floor((y - self._y) / self.resolution)
-        height, width = self._reachable.shape
-        return 0 <= row < height and 0 <= column < width and bool(self._reachable[row, column])
+        return (x, y) in self._squares
 
     def point(self, rng: np.random.Generator) -> Tuple[float, float]:
         """A random point in a reachable square, of which there must be one: x, y [m].
@@ -85,11 +83,46 @@ class FreeSpace:
         Args:
             rng: the random numbers.
         """
-        chosen = rng.integers(len(self._rows))
-        along_x, along_y = rng.random(2).tolist()
-        x = self._x + (int(self._columns[chosen]) + along_x) * self.resolution
-        y = self._y + (int(self._rows[chosen]) + along_y) * self.resolution
-        return x, y
+        return self._squares.draw(rng)
+
+    def clear_point(
+        self,
+        rng: np.random.Generator,
+        discs: Circles,
+        radius: float,
+        tries: int,
+    ) -> Optional[Tuple[float, float]]:
+        """The first of several random points at which a disc overlaps no other one; None if none.
+
+        Args:
+            rng: the random numbers.
+            discs: the others: x, y and radius [m].
+            radius: of the disc [m].
+            tries: the largest number of points to draw.
+        """
+        return self._squares.draw_clear(rng, discs, radius, tries)
+
+    def ends(
+        self,
+        rng: np.random.Generator,
+        given: Tuple[Optional[Point], Optional[Point]],
+        distances: Tuple[float, float],
+        radius: float,
+        discs: Tuple[Circles, Circles],
+        tries: int,
+    ) -> Optional[Tuple[Pose, Point]]:
+        """A random start and a goal of a disc, where it overlaps no others; None if none was found.
+
+        Args:
+            rng: the random numbers.
+            given: start and goal; those that are not None are taken as they are.
+            distances: the least and the largest distance of the two [m].
+            radius: of the disc [m].
+            discs: the others at the start, and those at the goal: x, y and radius [m].
+            tries: the largest number of pairs to draw.
+        """
+        found = self._squares.draw_ends(rng, *given, distances, radius, *discs, tries)
+        return None if found is None else (Pose(*found[0]), found[1])
 
     def poses(self, count: int, rng: np.random.Generator) -> FloatArray:
         """Random poses, uniformly distributed over the reachable squares and all headings.
@@ -110,10 +143,11 @@ class FreeSpace:
                 f"expected rng as a numpy.random.Generator (numpy.random.default_rng(seed)), found "
                 f"{shown(rng)}"
             )
-        if count and not len(self._rows):
+        if count and not len(self._squares):
             raise UsageError("no place is free and can be reached")
-        chosen = rng.integers(len(self._rows), size=count)
-        squares = np.column_stack([self._columns[chosen], self._rows[chosen]])
+        rows, columns = np.nonzero(self._reachable)
+        chosen = rng.integers(len(rows), size=count)
+        squares = np.column_stack([columns[chosen], rows[chosen]])
         points = self._origin + (squares + rng.random((count, 2))) * self.resolution
         return np.column_stack([points, rng.uniform(-math.pi, math.pi, count)])
 
@@ -160,13 +194,13 @@ class DistanceGrid:
         shape = np.ceil(size[::-1] / self.resolution).astype(int) + 1
         self._reach = farthest + _HALF_DIAGONAL * self.resolution
         squared = np.full(tuple(shape), self._reach**2)
-        for x1, y1, x2, y2 in walls.tolist():
-            window, distances = self._around(squared, (x1, y1), (x2, y2), self._reach)
-            np.minimum(window, distances, out=window)
+        segments = np.ascontiguousarray(walls, np.float64)
+        corner = (self._origin[0], self._origin[1])
+        _core.lower_to_walls(squared, segments, self._reach, corner, self.resolution)
         self._distances = np.sqrt(squared)  # of the middles of the squares
         for x, y, radius in discs.tolist():
-            window, distances = self._around(self._distances, (x, y), (x, y), self._reach + radius)
-            np.minimum(window, np.sqrt(distances) - radius, out=window)
+            window, distances = self._around((x, y), self._reach + radius)
+            np.minimum(window, distances - radius, out=window)
         self._spaces: Dict[float, FreeSpace] = {}
 
     @staticmethod
@@ -232,29 +266,24 @@ class DistanceGrid:
             )
         return self._spaces[clearance]
 
-    def _around(
-        self, grid: FloatArray, a: Point, b: Point, reach: float
-    ) -> Tuple[FloatArray, FloatArray]:
-        """The part of a grid within a rectangle around a line.
+    def _around(self, point: Point, reach: float) -> Tuple[FloatArray, FloatArray]:
+        """The part of the distances within a square around a point.
 
         Args:
-            grid: of all squares.
-            a: one end of the line [m].
-            b: its other end; it may be the same.
-            reach: from the line to the sides of the rectangle [m].
+            point: x, y [m].
+            reach: from the point to the sides of the square [m].
 
         Returns:
-            A view of the grid; and the squared distances of the middles of its squares from the
-            line [m^2].
+            A view of the distances; and those of the same squares from the point [m].
         """
         x, y = self._origin.tolist()
-        rows = _span(a[1] - y, b[1] - y, reach, self.resolution)
-        columns = _span(a[0] - x, b[0] - x, reach, self.resolution)
-        window = grid[rows, columns]
+        rows = _span(point[1] - y, reach, self.resolution)
+        columns = _span(point[0] - x, reach, self.resolution)
+        window = self._distances[rows, columns]
         height, width = window.shape
-        ys = (rows.start + 0.5 + np.arange(height))[:, None] * self.resolution + (y - a[1])
-        xs = (columns.start + 0.5 + np.arange(width)) * self.resolution + (x - a[0])
-        return window, squared_distances(xs, ys, (b[0] - a[0], b[1] - a[1]))
+        ys = (rows.start + 0.5 + np.arange(height))[:, None] * self.resolution + (y - point[1])
+        xs = (columns.start + 0.5 + np.arange(width)) * self.resolution + (x - point[0])
+        return window, np.sqrt(xs**2 + ys**2)
 
     def _nearest(self, free: BoolArray) -> Tuple[int, int]:
         """The row and column of the free square that is nearest to the start."""
@@ -272,10 +301,10 @@ def _shared_grid(
     return DistanceGrid(segments, start, farthest, discs=circles, open_reach=open_reach)
 
 
-def _span(a: float, b: float, reach: float, resolution: float) -> slice:
-    """The rows or columns from `reach` before two coordinates [m] to `reach` behind them."""
-    first = math.floor((min(a, b) - reach) / resolution)
-    last = math.ceil((max(a, b) + reach) / resolution)
+def _span(middle: float, reach: float, resolution: float) -> slice:
+    """The rows or columns from `reach` before a coordinate [m] to `reach` behind it."""
+    first = math.floor((middle - reach) / resolution)
+    last = math.ceil((middle + reach) / resolution)
     return slice(max(first, 0), max(last, 0))
 
 

@@ -199,44 +199,26 @@ class EpisodeSampler:
         """A start and a goal that are clear of the other robots' starts and goals."""
         room = world.radius + choice.settings.margin
         space = world.space.free_space(room)
-
-        def fits(place: Sequence[float], others: Circles) -> bool:
-            return space.contains_point(*place[:2]) and _is_clear(place[:2], room, others)
-
         given_start, given_goal = given.start, given.goal
         if given_start:
             _require_free(world, f"start{given.of}", given_start[:2], starts)
         if given_goal:
             _require_free(world, f"goal{given.of}", given_goal, goals)
-        for _ in range(_TRIES):
-            yaw = _heading(rng)
-            start = given_start or (
-                self._around(world, choice, given_goal, rng) if given_goal else space.point(rng)
-            )
-            goal = given_goal or self._around(world, choice, start, rng)
-            if (given_start or fits(start, starts)) and (given_goal or fits(goal, goals)):
-                if given_start and len(given_start) > 2:
-                    yaw = given_start[2]
-                return Pose(start[0], start[1], yaw), (goal[0], goal[1])
         least, largest = choice.settings.goal_distance
-        raise UsageError(
-            f'the world "{world.name}" has no free start and goal {least:g} to {largest:g} m apart '
-            f"(tried {_TRIES} times)"
+        distances = least, max(least, min(largest, world.space.diagonal))
+        ends = (
+            (given_start[0], given_start[1]) if given_start else None,
+            (given_goal[0], given_goal[1]) if given_goal else None,
         )
-
-    def _around(
-        self,
-        world: NavigationWorld,
-        choice: Choice,
-        middle: Sequence[float],
-        rng: np.random.Generator,
-    ) -> Point:
-        """A place within the limits of `goal_distance` from `middle`, uniform over the area."""
-        least, largest = choice.settings.goal_distance
-        largest = max(least, min(largest, world.space.diagonal))
-        distance = math.sqrt(least**2 + float(rng.random()) * (largest**2 - least**2))
-        bearing = math.tau * float(rng.random())
-        return middle[0] + distance * math.cos(bearing), middle[1] + distance * math.sin(bearing)
+        found = space.ends(rng, ends, distances, room, (starts, goals), _TRIES)
+        if found is None:
+            raise UsageError(
+                f'the world "{world.name}" has no free start and goal {least:g} to {largest:g} m '
+                f"apart (tried {_TRIES} times)"
+            )
+        start, goal = found
+        yaw = given_start[2] if len(given_start) > 2 else start.yaw
+        return Pose(start.x, start.y, yaw), goal
 
     def _places(
         self,
@@ -271,11 +253,8 @@ class EpisodeSampler:
         space = world.space.free_space(passage)
         if space.area == 0.0:  # too narrow to leave a passage: the model may be beside a wall
             space = world.space.free_space(disc.radius + margin)
-        for _ in range(_TRIES_OF_MODELS if space.area else 0):
-            x, y = space.point(rng)
-            if _is_clear((x, y), passage, taken):
-                return Pose(x, y, _heading(rng))
-        return None
+        place = space.clear_point(rng, taken, passage, _TRIES_OF_MODELS) if space.area else None
+        return None if place is None else Pose(*place, _heading(rng))
 
 
 def options_of(options: Any) -> Dict[str, Any]:

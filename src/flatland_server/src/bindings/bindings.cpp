@@ -197,6 +197,7 @@ PYBIND11_MODULE(_core, m) {
   m.def("box2d_reads_clock", &Box2DReadsClock);
   BindPriorityGuard(m);
   BindRangeNoise(m);
+  BindFloorSquares(m);
   BindGoalObserver(m);
   if (!SetDocs(m.ptr())) throw py::error_already_set();
 }

@@ -107,6 +107,7 @@ void BindMessages(py::module_& m);
 void BindFixture(py::class_<PyFixture>& fixture);
 void BindFixturesOf(py::class_<PyBody>& body);
 void BindFixtureChecker(py::module_& m);
+void BindFloorSquares(py::module_& m);
 void BindGoalObserver(py::module_& m);
 void BindContacts(py::module_& m);
 void BindPriorityGuard(py::module_& m);

@@ -1200,6 +1200,87 @@ class GoalObserver(metaclass=_Metaclass):
             goals: x, y [m], shape (n, 2).
         """
 
+def lower_to_walls(
+    squares: FloatArray, walls: Segments, reach: float, corner: _PairLike, side: float
+) -> None:
+    """Lowers numbers of the squares of a floor to their squared distances from walls, in place.
+
+    Only near the walls: at least within `reach` of the rectangles around them. Releases the GIL.
+
+    Args:
+        squares: shape (rows, columns): a row has the same y [m^2].
+        walls: shape (n, 4), x1, y1, x2, y2 [m].
+        reach: [m].
+        corner: x, y of the first square's corner [m].
+        side: of a square [m].
+    """
+
+class FloorSquares(metaclass=_Metaclass):
+    """Some squares of a floor, and random places on them.
+
+    Args:
+        squares: which they are, shape (rows, columns): a row has the same y.
+        corner: x, y of the corner of the first square [m].
+        side: of a square [m].
+    """
+
+    def __init__(self, squares: BoolArray, corner: _PairLike, side: float) -> None: ...
+    def __len__(self) -> int:
+        """The number of squares."""
+    def __contains__(self, point: _PairLike) -> bool:
+        """True if a point is in one of the squares."""
+    def draw(self, rng: np.random.Generator) -> _Pair:
+        """A random point in a square: x, y [m].
+
+        Draws the same as `rng.integers(len(self))` and `rng.random(2)`.
+
+        Args:
+            rng: the random numbers.
+
+        Raises:
+            ValueError: there is no square.
+        """
+    def draw_clear(
+        self, rng: np.random.Generator, discs: Sequence[_Triple], radius: float, tries: int
+    ) -> _Pair | None:
+        """The first of several points of `draw` at which a disc overlaps no other one.
+
+        Args:
+            rng: the random numbers.
+            discs: the others: x, y and radius [m].
+            radius: of the disc [m].
+            tries: number of points after which it ends with None.
+
+        Raises:
+            ValueError: there is no square.
+        """
+    def draw_ends(
+        self,
+        rng: np.random.Generator,
+        start: _PairLike | None,
+        goal: _PairLike | None,
+        distances: _PairLike,
+        radius: float,
+        at_starts: Sequence[_Triple],
+        at_goals: Sequence[_Triple],
+        tries: int,
+    ) -> tuple[_Triple, _Pair] | None:
+        """A random pose in these squares, and a goal: x, y and yaw, and x, y [m, m, rad].
+
+        Args:
+            rng: the random numbers.
+            start: one that is given, and is not checked, or None.
+            goal: the same for the goal.
+            distances: the least and the largest distance of the two [m].
+            radius: of a disc that must not overlap others [m].
+            at_starts: those at the start: x, y and radius [m].
+            at_goals: those at the goal.
+            tries: number of tries after which it ends with None.
+
+        Raises:
+            ValueError: there is no square.
+        """
+
 class RangeNoise(metaclass=_Metaclass):
     """Gaussian noise of a lidar's ranges, different at each time.
 
