@@ -35,6 +35,7 @@ class FreeSpace:
     Attributes:
         clearance: that distance [m].
         resolution: side of a square [m].
+        area: of all reachable squares [m^2].
     """
 
     def __init__(
@@ -45,11 +46,7 @@ class FreeSpace:
         self._reachable = np.ascontiguousarray(reachable)
         self._origin = origin
         self._squares = _core.FloorSquares(self._reachable, origin.tolist(), resolution)
-
-    @property
-    def area(self) -> float:
-        """The area of all reachable squares [m^2]."""
-        return len(self._squares) * self.resolution**2
+        self.area = len(self._squares) * resolution**2
 
     def contains(self, points: FloatArray) -> BoolArray:
         """True where a point is in a reachable square: shape (n,).
