@@ -43,9 +43,9 @@ class FreeSpace:
     ) -> None:
         self.clearance = clearance
         self.resolution = resolution
-        self._reachable = np.ascontiguousarray(reachable)
+        self._reachable = reachable
         self._origin = origin
-        self._squares = _core.FloorSquares(self._reachable, origin.tolist(), resolution)
+        self._squares = _core.FloorSquares(reachable, origin.tolist(), resolution)
         self.area = len(self._squares) * resolution**2
 
     def contains(self, points: FloatArray) -> BoolArray:
@@ -257,7 +257,7 @@ class DistanceGrid:
             )
         if clearance not in self._spaces:
             free = self._distances >= clearance + _HALF_DIAGONAL * self.resolution
-            reachable = connected(free, self._nearest(free)) if free.any() else free
+            reachable = _core.connected(free, self._nearest(free)) if free.any() else free
             self._spaces[clearance] = FreeSpace(
                 reachable, self._origin, self.resolution, float(clearance)
             )
@@ -308,24 +308,3 @@ def _span(middle: float, reach: float, resolution: float) -> slice:
 def discs_of(models: Iterable[Tuple[Pose, float]]) -> FloatArray:
     """Obstacles from the poses and radii of models: shape (m, 3)."""
     return np.array([[pose.x, pose.y, radius] for pose, radius in models]).reshape(-1, 3)
-
-
-def connected(free: BoolArray, start: Tuple[int, int]) -> BoolArray:
-    """The free squares connected with a start through shared sides."""
-    reached = np.zeros_like(free)
-    reached[start] = free[start]
-    before = 0
-    while np.count_nonzero(reached) > before:
-        before = np.count_nonzero(reached)
-        reached = _spread(reached, free)
-        reached = _spread(reached.T, free.T).T
-    return reached
-
-
-def _spread(reached: BoolArray, free: BoolArray) -> BoolArray:
-    """Extends the reached squares along the rows, up to those that are not free."""
-    breaks = ~free
-    breaks[:, 0] = True
-    run = np.cumsum(breaks.ravel())  # the free squares of a run share a number
-    is_reached = np.bincount(run, weights=reached.ravel()) > 0
-    return np.asarray(is_reached[run].reshape(free.shape) & free)

@@ -5,8 +5,8 @@ from typing import List, Optional, Tuple
 
 import numpy as np
 
-from flatland2d.free_space import connected
 from flatland_benchmark.free_space import read_free_space
+from flatland_server import _core
 from flatland_server.arrays import FloatArray
 from flatland_server.geometry import Pose
 
@@ -31,7 +31,7 @@ def free_poses(
     free, resolution, origin = read_free_space(map_file)
     if reachable_from is not None:
         column, row = ((np.array(reachable_from) - origin) / resolution).astype(int)
-        free = connected(free, (row, column))
+        free = _core.connected(free, (row, column))
     rows, columns = np.nonzero(free)
     chosen = rng.integers(len(rows), size=count)
     pixels = np.stack([columns[chosen], rows[chosen]], axis=1)

@@ -10,8 +10,8 @@ from typing import List, Tuple
 
 import numpy as np
 
-from flatland2d.free_space import connected
 from flatland_benchmark.free_space import read_free_space
+from flatland_server import _core
 from flatland_server.arrays import BoolArray
 
 RADIUS = 0.18
@@ -111,7 +111,7 @@ def free_places(map_file: Path, count: int, crowded: bool = False) -> List[Tuple
     pixels, resolution, origin = read_free_space(map_file)
     cells = _coarsened(pixels, round(_CELL / resolution))
     column, row = ((np.array(_START) - origin) / _CELL).astype(int)
-    roomy = _eroded(connected(cells, (row, column)))
+    roomy = _eroded(_core.connected(cells, (row, column)))
     widest = _CLOSEST if crowded else min(roomy.shape)
     for pitch in range(widest, _CLOSEST - 1, -1):
         rows, columns = np.nonzero(roomy[pitch // 2 :: pitch, pitch // 2 :: pitch])

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from flatland2d.free_space import connected
 from flatland_benchmark import scenes
 from flatland_benchmark.exact_rays import (
     distances_to_circle,
@@ -72,15 +71,6 @@ def test_what_is_around_the_lidar_is_not_seen():
     assert distances_to_circle(array([[0, 0]]), ahead, (0.0, 0.0), 1.0) == [math.inf]
     assert distances_to_polygon(array([[0, 0]]), ahead, square) == [math.inf]
     assert distances_to_polygon(array([[-3, 0.5]]), ahead, square) == [2.0]
-
-
-def test_what_is_reachable_goes_round_corners_and_not_through_walls():
-    rows = ["..#....", ".##.##.", "....#..", "#####.#", ".......", "######."]
-    free = np.array([[pixel == "." for pixel in row] for row in rows])
-
-    assert connected(free, (0, 0)).tolist() == [[pixel == "." for pixel in row] for row in rows]
-    free[3, 5] = False
-    assert not connected(free, (0, 0))[4:].any()
 
 
 @pytest.mark.parametrize("build", [scenes.room, scenes.room_with_bodies])

@@ -1,5 +1,6 @@
 /// FloorSquares in Python: the random numbers are those of a numpy.random.Generator.
 
+#include <algorithm>
 #include <array>
 
 #include "bindings.hpp"
@@ -56,6 +57,20 @@ void Lower(Numbers squares, const Numbers& walls, double reach, std::array<doubl
   LowerToWalls(segments, reach, {corner[0], corner[1]}, side, rows, columns, numbers);
 }
 
+py::array_t<bool> Connected(const py::array_t<bool, py::array::c_style>& free,
+                            std::array<int64_t, 2> start) {
+  const auto [row, column] = start;
+  const bool is_inside =
+      free.ndim() == 2 && row >= 0 && row < free.shape(0) && column >= 0 && column < free.shape(1);
+  if (!is_inside) throw std::invalid_argument("expected squares (rows, columns), and one of them");
+  const int64_t rows = free.shape(0), columns = free.shape(1);
+  py::array_t<bool> reached({rows, columns});
+  bool* const marks = reached.mutable_data();
+  std::fill_n(marks, rows * columns, false);
+  MarkConnected(free.data(), rows, columns, row * columns + column, marks);
+  return reached;
+}
+
 void RequireSquare(const FloorSquares& self) {
   if (self.size() == 0) throw std::invalid_argument("there is no square");
 }
@@ -65,9 +80,9 @@ void RequireSquare(const FloorSquares& self) {
 void BindFloorSquares(py::module_& m) {
   m.def("lower_to_walls", &Lower, py::arg("squares").noconvert(), py::arg("walls").noconvert(),
         py::arg("reach"), py::arg("corner"), py::arg("side"));
+  m.def("connected", &Connected, py::arg("free"), py::arg("start"));
   py::class_<FloorSquares>(m, "FloorSquares")
-      .def(py::init(&MakeSquares), py::arg("squares").noconvert(), py::arg("corner"),
-           py::arg("side"))
+      .def(py::init(&MakeSquares), py::arg("squares"), py::arg("corner"), py::arg("side"))
       .def("__len__", &FloorSquares::size)
       .def(
           "__contains__",

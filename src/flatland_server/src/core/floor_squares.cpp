@@ -63,6 +63,24 @@ void LowerToWalls(const std::vector<Segment>& walls, double reach, Vec2 corner, 
   }
 }
 
+void MarkConnected(const bool* free, int64_t rows, int64_t columns, int64_t start, bool* reached) {
+  std::vector<int64_t> waiting;  // reached, but not left yet
+  const auto reach = [&](int64_t index) {
+    if (!free[index] || reached[index]) return;
+    reached[index] = true;
+    waiting.push_back(index);
+  };
+  reach(start);
+  while (!waiting.empty()) {
+    const int64_t index = waiting.back(), row = index / columns, column = index % columns;
+    waiting.pop_back();
+    if (column > 0) reach(index - 1);
+    if (column + 1 < columns) reach(index + 1);
+    if (row > 0) reach(index - columns);
+    if (row + 1 < rows) reach(index + columns);
+  }
+}
+
 FloorSquares::FloorSquares(const bool* squares, int rows, int columns, Vec2 corner, double side)
     : is_one_(squares, squares + int64_t{rows} * columns),
       rows_(rows),

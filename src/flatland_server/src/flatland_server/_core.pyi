@@ -1215,6 +1215,17 @@ def lower_to_walls(
         side: of a square [m].
     """
 
+def connected(free: BoolArray, start: tuple[int, int]) -> BoolArray:
+    """The free squares that are connected with one through shared sides: a new array.
+
+    Args:
+        free: shape (rows, columns).
+        start: row and column of that square. If it is not free, there are none.
+
+    Raises:
+        ValueError: the start is outside.
+    """
+
 class FloorSquares(metaclass=_Metaclass):
     """Some squares of a floor, and random places on them.
 

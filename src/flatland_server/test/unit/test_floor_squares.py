@@ -103,6 +103,17 @@ def test_distances_from_walls_are_those_of_numpy():
     assert (ours < 9.0).mean() > 0.3
 
 
+def test_what_is_reachable_goes_round_corners_and_not_through_walls():
+    rows = ["..#....", ".##.##.", "....#..", "#####.#", ".......", "######."]
+    free = np.array([[pixel == "." for pixel in row] for row in rows])
+
+    assert _core.connected(free, (0, 0)).tolist() == [
+        [pixel == "." for pixel in row] for row in rows
+    ]
+    free[3, 5] = False
+    assert not _core.connected(free, (0, 0))[4:].any()
+
+
 def test_wrong_arguments_are_refused():
     with pytest.raises(ValueError, match=r"expected squares \(rows, columns\)"):
         _core.FloorSquares(np.zeros(2, bool), CORNER, SIDE)
@@ -112,3 +123,6 @@ def test_wrong_arguments_are_refused():
         floor(3)[0].draw(5)
     with pytest.raises(ValueError, match=r"squares \(rows, columns\), and walls \(n, 4\)"):
         _core.lower_to_walls(np.zeros((2, 2)), np.zeros((3, 2)), 1.0, CORNER, SIDE)
+    for outside in ((-1, 0), (0, 3), (2, 0)):
+        with pytest.raises(ValueError, match="and one of them"):
+            _core.connected(np.ones((2, 3), bool), outside)
