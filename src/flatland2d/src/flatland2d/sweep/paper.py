@@ -97,7 +97,9 @@ def figure(summary: Summary) -> bytes:
                 _draw(panel, places, group, name, index % len(_COLORS), label)
             panel.set_xticks(range(len(controllers)), controllers, rotation=30, ha="right")
             panel.set_xlim(-0.5, len(controllers) - 0.5)
-            panel.set_ylabel(textwrap.fill(_name(name), _LETTERS))
+            panel.set_ylabel(
+                textwrap.fill(_name(name).replace(" [", "\N{NO-BREAK SPACE}["), _LETTERS)
+            )
             top = 100.0 if SUMMARISED[name].is_rate else panel.get_ylim()[1]
             panel.set_ylim(_LOWEST * top, (1.0 - _LOWEST) * top)
             panel.grid(axis="y", linewidth=0.3)
