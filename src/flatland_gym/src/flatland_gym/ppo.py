@@ -38,7 +38,8 @@ class PpoSettings:
         entropy: weight of the policy's entropy.
         hidden: sizes of the hidden layers.
         log_std: of the actions at the beginning, in units of their limits.
-        mirror: whether half of the rows are turned into their mirror images; see `Mirror`.
+        mirror: whether left and right are exchanged in half of the rows, as the mirror image of a
+            motion is one as well; for robots with a lidar that looks to both sides alike.
     """
 
     rollout: int = 64
