@@ -89,7 +89,7 @@ class Robot:
 
 
 def _mirrored_beams(lidar: ModelPlugin) -> Tuple[int, ...]:
-    """See `Robot`; a plugin without `angles` and `origin`, as a Laser has them, gives none."""
+    """`Robot.mirrored_beams`; none for a plugin without the `angles` and `origin` of a Laser."""
     angles, origin = getattr(lidar, "angles", None), getattr(lidar, "origin", None)
     if angles is None or origin is None or abs(origin.y) > _ALIKE:
         return ()
