@@ -12,6 +12,7 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Tuple
 import numpy as np
 
 from flatland2d import MissingPackageError, UsageError
+from flatland_gym.mirror import Mirror
 from flatland_gym.navigation_vector_env import NavigationVectorEnv
 from flatland_gym.networks import Adam, Network
 from flatland_gym.policy import Policy
@@ -37,6 +38,8 @@ class PpoSettings:
         entropy: weight of the policy's entropy.
         hidden: sizes of the hidden layers.
         log_std: of the actions at the beginning, in units of their limits.
+        mirror: whether left and right are exchanged in half of the rows, as the mirror image of a
+            motion is one as well; for robots with a lidar that looks to both sides alike.
     """
 
     rollout: int = 64
@@ -49,6 +52,7 @@ class PpoSettings:
     entropy: float = 1e-3
     hidden: Tuple[int, ...] = (64, 64)
     log_std: float = -0.5
+    mirror: bool = True
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> "PpoSettings":
@@ -74,13 +78,15 @@ class PpoSettings:
 
 
 def _like(default: Any, value: Any) -> Any:
-    """A value of the type of another one: finite, and whole numbers above 0.
+    """A value of the type of another one: a boolean, or finite, and whole numbers above 0.
 
     Raises:
         ValueError: it is none; also TypeError, OverflowError.
     """
     if isinstance(default, tuple):
         return tuple(_like(default[0], each) for each in value)
+    if type(default) is bool and not isinstance(value, bool):
+        raise ValueError
     found = type(default)(value)
     if not math.isfinite(found) or (type(default) is int and found < 1):
         raise ValueError
@@ -200,6 +206,7 @@ class Ppo:
         self._scale = Scale(size)
         # A robot alone learns slower with normalised beams: they drown the goal.
         self._normalises = env.navigation.settings.neighbors > 0
+        self._mirror = Mirror.of(env.navigation) if settings.mirror else None
         self._seed = seed
 
     def train(
@@ -257,10 +264,16 @@ class Ppo:
 
     def _learn_scale(self) -> None:
         """Makes a rollout for the scale alone: at a reset all stand still."""
-        rows = self._roll_out().observations
-        self._scale.take(rows.reshape(-1, rows.shape[-1]))
+        self._take_scale(self._roll_out().observations)
         self._observations, _ = self._env.reset(seed=self._seed)
         self._rewards[:] = 0.0
+
+    def _take_scale(self, observations: Float32Array) -> None:
+        """Makes the scale learn from observations, and from their mirror images."""
+        rows = observations.reshape(-1, observations.shape[-1])
+        if self._mirror is not None:
+            rows = np.concatenate([rows, self._mirror.observations(rows)])
+        self._scale.take(rows)
 
     def _roll_out(self) -> _Rollout:
         """Collects a rollout of all environments."""
@@ -320,9 +333,13 @@ class Ppo:
             order = self._rng.permutation(size)
             for start in range(0, size, minibatch):
                 chosen = order[start : start + minibatch]
-                self._descend(_Rollout(*(each[chosen] for each in flat)), rate)
+                rows = _Rollout(*(each[chosen] for each in flat))
+                if self._mirror is not None:
+                    half = len(chosen) // 2
+                    self._mirror.turn(rows.observations[:half], rows.actions[:half])
+                self._descend(rows, rate)
         if self._normalises:
-            self._scale.take(flat.observations)
+            self._take_scale(flat.observations)
 
     def _descend(self, rows: _Rollout, rate: float) -> None:
         """Makes a step of the optimiser: the gradients of PPO's clipped objective."""
