@@ -7,7 +7,7 @@
 namespace flatland {
 namespace {
 
-constexpr int kWedges = 720;
+constexpr int kWedges = 360;
 /// Allowances for rounding errors: [m], and of an inverse distance.
 constexpr double kRounding = 1e-9;
 constexpr double kNearer = 1.0 + 1e-9;

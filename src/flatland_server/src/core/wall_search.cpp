@@ -14,7 +14,7 @@ namespace {
 constexpr double kEndTolerance = 1e-9;
 /// Cells and walls are halved, and lines followed, this many times before a wall counts as seen.
 constexpr int kMaxHalvings = 7;
-constexpr int kMaxLines = 16;
+constexpr int kMaxLines = 32;
 /// Scans from the corners of the cell find walls that are seen for sure: nothing is to be proven.
 constexpr size_t kSamples = 4;
 constexpr int kSampleBeams = 720;
