@@ -2,7 +2,7 @@
 
 import math
 from functools import lru_cache
-from typing import Dict, Iterable, Optional, Sequence, Tuple
+from typing import Any, Dict, Iterable, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -47,6 +47,9 @@ class FreeSpace:
         self._origin = origin
         self._squares = _core.FloorSquares(reachable, origin.tolist(), resolution)
         self.area = len(self._squares) * resolution**2
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        return FreeSpace, (self._reachable, self._origin, self.resolution, self.clearance)
 
     def contains(self, points: FloatArray) -> BoolArray:
         """True where a point is in a reachable square: shape (n,).

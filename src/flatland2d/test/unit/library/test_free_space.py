@@ -1,5 +1,7 @@
 """Free space: against the exact distance of points from obstacles."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -39,6 +41,9 @@ def test_points_are_as_far_from_walls_as_they_should_be():
         assert min(distances) < clearance + 0.1  # within the grid's resolution
         assert all(space.contains_point(*point) for point in points)
         assert space.contains(np.array(points)).all()
+        copied = pickle.loads(pickle.dumps(space))
+        again = copied.point(np.random.default_rng(1)), copied.area, copied.clearance
+        assert again == (space.point(np.random.default_rng(1)), space.area, clearance)
 
 
 def test_distances_are_lower_bounds_up_to_the_farthest():
