@@ -17,7 +17,8 @@ from flatland_gym import NavigationVectorEnv, Policy, train
 from flatland_gym.evaluation import evaluate
 from flatland_gym.networks import Network
 from flatland_gym.policy_node import PolicyNode
-from flatland_gym.ppo import Ppo, PpoSettings
+from flatland_gym.ppo import Ppo
+from flatland_gym.ppo_settings import PpoSettings
 from flatland_gym.train import main
 
 SETTINGS = {"world": "empty_room", "frame_skip": 2, "time_limit": 30.0}
