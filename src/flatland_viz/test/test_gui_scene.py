@@ -178,6 +178,8 @@ def test_robots_have_names_and_headings_that_switches_hide(window):
     window.screen.move(window.map.pixel(4.0, -2.5))
     window.waiting(lambda: plate(window, "marks", -3.0, 0.0) > 100, "its name")
     assert red() > 40
+    blue_robot = window.picture("marks")[window.map.around(0.0, -1.5, 0.15)]
+    assert near(blue_robot, (255, 255, 255), 20).sum() > 40  # its colour is its body's, nearly
     assert plate(window, "marks", *CRATE) < 20  # other models have no name
 
     for key in ("n", "e"):  # View > Names, Headings

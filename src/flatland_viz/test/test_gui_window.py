@@ -197,11 +197,13 @@ def test_a_spawn_that_was_refused_is_tried_again_at_its_place(window):
     window.ros.call("/delete_model", name="crate")
 
 
-def test_a_second_robot_gets_a_name_and_a_namespace_of_its_own(window):
+@pytest.mark.parametrize("file", [ROBOT, ROBOT.name], ids=["path", "name"])
+def test_a_second_robot_gets_a_name_and_a_namespace_of_its_own(window, file):
+    (window.world.parent / ROBOT.name).write_text(ROBOT.read_text())
     window.press("a")
     window.wait_for_dialog("Spawn Model")
     window.screen.key("alt+f", "ctrl+a")
-    window.screen.type(ROBOT)
+    window.screen.type(file)
     window.screen.key("Tab")
     window.screen.picture("window_second")
     window.screen.key("Return")
@@ -439,6 +441,8 @@ def test_warnings_of_the_server_are_counted_and_listed(window):
 def test_robots_that_share_their_commands_are_a_problem(window):
     window.ros.spawn(ROBOT, "r2", 2.0, 1.0)
     window.open_problems("warning", "window_shared")
+    # tf2 has warned of the shared frames at each step.
+    assert window.launch.output.count("redundant timestamp for frame base_link") == 1
     window.screen.key("Escape")
     window.screen.wait_until_closed("Problems")
     window.ros.call("/delete_model", name="r2")
