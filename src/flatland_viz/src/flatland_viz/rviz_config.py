@@ -1,7 +1,7 @@
 """The rviz configuration of the window, made of `flatland.rviz`."""
 
 from copy import deepcopy
-from typing import Any, Dict, List
+from typing import Any, Dict
 
 from flatland_viz.navigation_tools import NAVIGATION_TOOLS
 

@@ -62,7 +62,10 @@ def test_the_scan_of_a_deleted_robot_is_removed():
     before = wanted(DEBUG, ["/robot2/scan", "/scan"])
     after = wanted(DEBUG, ["/scan"])
 
-    assert changes(before, after) == ([Shown("robot2/scan", "flatland_viz/Scan", "/robot2/scan")], [])
+    assert changes(before, after) == (
+        [Shown("robot2/scan", "flatland_viz/Scan", "/robot2/scan")],
+        [],
+    )
 
 
 def test_equal_displays_stay():
