@@ -369,7 +369,7 @@ def test_a_notebook_shows_environments(count):
     assert env._repr_png_() is None
     env.reset(seed=1)
     picture = Image.open(io.BytesIO(env._repr_png_()))
-    assert picture.size == (480, 480)
+    assert picture.size == ((484, 484) if count else (480, 480))
     assert np.array_equal(np.array(picture)[:240, :240], _first_picture(env, 2 if count else 1))
     env.close()
 

@@ -17,7 +17,8 @@ from flatland_gym import NavigationVectorEnv, Policy, train
 from flatland_gym.evaluation import evaluate
 from flatland_gym.networks import Network
 from flatland_gym.policy_node import PolicyNode
-from flatland_gym.ppo import Ppo, PpoSettings
+from flatland_gym.ppo import Ppo
+from flatland_gym.ppo_settings import PpoSettings
 from flatland_gym.train import main
 
 SETTINGS = {"world": "empty_room", "frame_skip": 2, "time_limit": 30.0}
@@ -25,10 +26,10 @@ SETTINGS = {"world": "empty_room", "frame_skip": 2, "time_limit": 30.0}
 
 @pytest.fixture(scope="module")
 def policy():
-    """A policy trained for some seconds."""
+    """A policy trained for a second or two."""
     env = NavigationVectorEnv(64, autoreset_mode="SameStep", **SETTINGS)
     try:
-        return Ppo(env, seed=1).train(steps=120_000)
+        return Ppo(env, seed=1).train(steps=60_000)
     finally:
         env.close()
 
@@ -337,6 +338,7 @@ def test_the_command_trains_and_says_what_is_wrong(tmp_path, capsys):
         ("discont=0.9", 'the learner has no setting "discont"; there are: rollout, '),
         ("epochs=0", "expected the learner's epochs as something like 6, found 0"),
         ("hidden=64", "expected the learner's hidden as something like (64, 64), found 64"),
+        ("mirror=2", "expected the learner's mirror as something like True, found 2"),
         ("clip=.inf", "expected the learner's clip as something like 0.2, found inf"),
     ):
         assert main([str(path), *arguments, "--learner", setting]) == 1
@@ -344,8 +346,9 @@ def test_the_command_trains_and_says_what_is_wrong(tmp_path, capsys):
 
 
 def test_settings_of_the_learner_from_a_command():
-    settings = PpoSettings.of({"learning_rate": "1e-3", "rollout": 32, "hidden": [8, 8]})
-    assert settings == PpoSettings(learning_rate=1e-3, rollout=32, hidden=(8, 8))
+    values = {"learning_rate": "1e-3", "rollout": 32, "hidden": [8, 8], "mirror": False}
+    expected = PpoSettings(learning_rate=1e-3, rollout=32, hidden=(8, 8), mirror=False)
+    assert PpoSettings.of(values) == expected
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ those of the challenge's run.py.
 """
 
 import io
+import os
 import re
 from pathlib import Path
 from typing import Any, Dict, List, NamedTuple
@@ -76,19 +77,21 @@ class BarnWorld(NamedTuple):
 def read_barn(folder: Path) -> List[BarnWorld]:
     """The worlds in a folder, by number: its world_N.world with their path_N.npy.
 
+    Of several files of a number, such as those of DynaBARN, that near the path is the world.
+
     Raises:
         FlatlandError: there is none, or a file is missing or wrong.
     """
     worlds = _numbered(folder, "world_*.world")
-    paths = _numbered(folder, "path_*.npy")
+    paths = {number: files[0] for number, files in _numbered(folder, "path_*.npy").items()}
     if not worlds:
         raise FlatlandError(f"{folder}: expected worlds of BARN (world_0.world ...), found none")
     missing = [f"path_{number}.npy" for number in worlds if number not in paths]
     if missing:
         raise FlatlandError(f"{folder}: found no {listed(missing)}")
     return [
-        BarnWorld(number, _cylinders(path), _path_length(paths[number]))
-        for number, path in sorted(worlds.items())
+        BarnWorld(number, _cylinders(_nearest(files, paths[number])), _path_length(paths[number]))
+        for number, files in sorted(worlds.items())
     ]
 
 
@@ -131,10 +134,19 @@ def write_barn(worlds: List[BarnWorld], folder: Path) -> None:
         raise FlatlandError(f"{folder}: cannot be written: {error.strerror}") from None
 
 
-def _numbered(folder: Path, pattern: str) -> Dict[int, Path]:
-    """The files of a pattern with a number in the place of its star."""
-    found = {path: re.fullmatch(r"[a-z]+_(\d+)", path.stem) for path in folder.rglob(pattern)}
-    return {int(match[1]): path for path, match in found.items() if match}
+def _numbered(folder: Path, pattern: str) -> Dict[int, List[Path]]:
+    """The files of a pattern with a number in the place of its star, by that number."""
+    found: Dict[int, List[Path]] = {}
+    for path in sorted(folder.rglob(pattern)):
+        match = re.fullmatch(r"[a-z]+_(\d+)", path.stem)
+        if match:
+            found.setdefault(int(match[1]), []).append(path)
+    return found
+
+
+def _nearest(files: List[Path], other: Path) -> Path:
+    """The file that has most folders in common with another one."""
+    return max(files, key=lambda path: len(Path(os.path.commonpath([path, other])).parts))
 
 
 def _cylinders(path: Path) -> FloatArray:

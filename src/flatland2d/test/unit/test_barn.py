@@ -55,6 +55,20 @@ def test_the_cylinders_and_the_path_of_a_world(tmp_path):
     )
 
 
+def test_worlds_of_the_same_number_without_a_path_beside_them_are_others(tmp_path):
+    """A clone of the challenge has DynaBARN's, too, which are not well-formed."""
+    for name in ("a", "b", "barn", "c", "d"):
+        (tmp_path / name).mkdir()
+        write_world(tmp_path / name)
+        if name != "barn":
+            (tmp_path / name / "world_files" / "world_3.world").write_text("<sdf>")
+            (tmp_path / name / "path_files" / "path_3.npy").unlink()
+
+    [world] = read_barn(tmp_path)
+
+    assert len(world.cylinders) == len(PLACES)
+
+
 def test_a_written_world_has_its_obstacles_where_they_were(tmp_path):
     write_world(tmp_path)
 

@@ -1,10 +1,10 @@
-"""Small networks in NumPy, with their gradients, and the optimiser Adam."""
+"""Small networks in NumPy with their gradients, the scale of their input, and Adam."""
 
-from typing import List, Sequence
+from typing import List, Sequence, Tuple
 
 import numpy as np
 
-from flatland_server import Float32Array
+from flatland_server import Float32Array, FloatArray
 
 Arrays = List[Float32Array]
 
@@ -100,3 +100,48 @@ def _orthogonal(rows: int, columns: int, rng: np.random.Generator) -> Float32Arr
     q, r = np.linalg.qr(matrix)
     q *= np.sign(np.diag(r))
     return q if rows >= columns else q.T  # type: ignore[no-any-return]
+
+
+class Scale:
+    """Normalises observations by their means and standard deviations so far.
+
+    Args:
+        size: of an observation.
+    """
+
+    _LEAST = 0.05  # standard deviation
+
+    def __init__(self, size: int) -> None:
+        self._count = 0
+        self._mean, self._variance = np.zeros(size), np.zeros(size)
+        self._set(np.zeros(size), np.ones(size))
+
+    @property
+    def is_known(self) -> bool:
+        """True if it has learnt from rows."""
+        return self._count > 0
+
+    def of(self, rows: Float32Array) -> Float32Array:
+        """Normalised observations."""
+        return (rows - self._shift) / self._width
+
+    def take(self, rows: Float32Array) -> None:
+        """Learns from normalised observations; those before count as well."""
+        mean = self._shift + self._width * rows.mean(axis=0, dtype=np.float64)
+        variance = self._width**2 * rows.var(axis=0, dtype=np.float64)
+        part = len(rows) / (self._count + len(rows))
+        away = mean - self._mean
+        self._mean += part * away
+        self._variance += part * (variance - self._variance + (1.0 - part) * away**2)
+        self._count += len(rows)
+        self._set(self._mean, np.maximum(np.sqrt(self._variance), self._LEAST))
+
+    def folded(
+        self, weights: Float32Array, biases: Float32Array
+    ) -> Tuple[Float32Array, Float32Array]:
+        """A first layer for observations as they are."""
+        scaled = weights / self._width[:, None]
+        return scaled, biases - self._shift @ scaled
+
+    def _set(self, shift: FloatArray, width: FloatArray) -> None:
+        self._shift, self._width = shift.astype(np.float32), width.astype(np.float32)

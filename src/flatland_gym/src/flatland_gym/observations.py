@@ -10,7 +10,7 @@ By default one flat array of float32, the input of most networks, and quick to c
     neighbors with `neighbors=k`, the k nearest other models, see `neighbor_rows`; (k, 6)
 """
 
-from typing import Any, Dict, Tuple
+from typing import Any, Dict, Sequence, Tuple
 
 import numpy as np
 
@@ -37,6 +37,20 @@ def bounds(beams: int, parts: int, neighbors: int = 0) -> Tuple[Float32Array, Fl
     low += [0.0, -1.0, -1.0, -fastest, -fastest, 0.0] * neighbors
     high += [1.0, 1.0, 1.0, fastest, fastest, 1.0] * neighbors
     return np.array(low, np.float32), np.array(high, np.float32)
+
+
+def mirror_signs(beams: int, velocity_limits: Sequence[float], neighbors: int = 0) -> Float32Array:
+    """1, or -1 where a number changes its sign if left and right change places.
+
+    Args:
+        beams: of the lidar.
+        velocity_limits: of forwards, to the left and turning; 0 for no such part.
+        neighbors: in an observation.
+    """
+    velocity = [sign for sign, limit in zip((1.0, -1.0, -1.0), velocity_limits) if limit > 0.0]
+    signs = [1.0] * beams + [1.0, 1.0, -1.0] + velocity
+    signs += [1.0, 1.0, -1.0, 1.0, -1.0, 1.0] * neighbors
+    return np.array(signs, np.float32)
 
 
 def goal_distances(poses: FloatArray, goals: FloatArray) -> FloatArray:

@@ -6,157 +6,20 @@ enough for matrices of 64 x 64 and tens of thousands of rows at a time.
 
 import math
 import time
-from dataclasses import dataclass, fields
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Tuple
+from typing import Callable, List, NamedTuple, Tuple
 
 import numpy as np
 
-from flatland2d import MissingPackageError, UsageError
+from flatland2d import UsageError
+from flatland_gym.mirror import Mirror
 from flatland_gym.navigation_vector_env import NavigationVectorEnv
-from flatland_gym.networks import Adam, Network
+from flatland_gym.networks import Adam, Network, Scale
 from flatland_gym.policy import Policy
+from flatland_gym.ppo_settings import PpoSettings
+from flatland_gym.training_progress import Progress, TrainingBar, TrainingInterrupted
 from flatland_server import BoolArray, Float32Array, FloatArray
 
 _LOG_TWO_PI = math.log(2.0 * math.pi)
-
-_BAR = "{l_bar}{bar}| {n:.0f}/{total:.0f} {unit} [{elapsed}<{remaining}{postfix}]"
-
-
-@dataclass(frozen=True)
-class PpoSettings:
-    """The parameters of a training.
-
-    Attributes:
-        rollout: steps of each environment between two updates.
-        minibatch: rows of a gradient step.
-        epochs: how often an update uses each row.
-        learning_rate: at the beginning; it falls to a tenth of that.
-        discount: of rewards, per step.
-        trace: the lambda of generalised advantage estimation.
-        clip: how far the ratio of probabilities may leave 1.
-        entropy: weight of the policy's entropy.
-        hidden: sizes of the hidden layers.
-        log_std: of the actions at the beginning, in units of their limits.
-    """
-
-    rollout: int = 64
-    minibatch: int = 1024
-    epochs: int = 6
-    learning_rate: float = 1e-3
-    discount: float = 0.99
-    trace: float = 0.95
-    clip: float = 0.2
-    entropy: float = 1e-3
-    hidden: Tuple[int, ...] = (64, 64)
-    log_std: float = -0.5
-
-    @classmethod
-    def of(cls, values: Mapping[str, Any]) -> "PpoSettings":
-        """Settings out of values by their names, as from a command.
-
-        Raises:
-            UsageError: one is unknown or wrong.
-        """
-        known: Dict[str, Any] = {each.name: each.default for each in fields(cls)}
-        found: Dict[str, Any] = {}
-        for name, value in values.items():
-            if name not in known:
-                raise UsageError(
-                    f'the learner has no setting "{name}"; there are: {", ".join(known)}'
-                )
-            try:
-                found[name] = _like(known[name], value)
-            except (TypeError, ValueError, OverflowError):
-                raise UsageError(
-                    f"expected the learner's {name} as something like {known[name]}, found {value}"
-                ) from None
-        return cls(**found)
-
-
-def _like(default: Any, value: Any) -> Any:
-    """A value of the type of another one: finite, and whole numbers above 0.
-
-    Raises:
-        ValueError: it is none; also TypeError, OverflowError.
-    """
-    if isinstance(default, tuple):
-        return tuple(_like(default[0], each) for each in value)
-    found = type(default)(value)
-    if not math.isfinite(found) or (type(default) is int and found < 1):
-        raise ValueError
-    return found
-
-
-class Scale:
-    """Normalises observations by their means and standard deviations so far.
-
-    Args:
-        size: of an observation.
-    """
-
-    _LEAST = 0.05  # standard deviation
-
-    def __init__(self, size: int) -> None:
-        self._count = 0
-        self._mean, self._variance = np.zeros(size), np.zeros(size)
-        self._set(np.zeros(size), np.ones(size))
-
-    @property
-    def is_known(self) -> bool:
-        """True if it has learnt from rows."""
-        return self._count > 0
-
-    def of(self, rows: Float32Array) -> Float32Array:
-        """Normalised observations."""
-        return (rows - self._shift) / self._width
-
-    def take(self, rows: Float32Array) -> None:
-        """Learns from normalised observations; those before count as well."""
-        mean = self._shift + self._width * rows.mean(axis=0, dtype=np.float64)
-        variance = self._width**2 * rows.var(axis=0, dtype=np.float64)
-        part = len(rows) / (self._count + len(rows))
-        away = mean - self._mean
-        self._mean += part * away
-        self._variance += part * (variance - self._variance + (1.0 - part) * away**2)
-        self._count += len(rows)
-        self._set(self._mean, np.maximum(np.sqrt(self._variance), self._LEAST))
-
-    def folded(
-        self, weights: Float32Array, biases: Float32Array
-    ) -> Tuple[Float32Array, Float32Array]:
-        """A first layer for observations as they are."""
-        scaled = weights / self._width[:, None]
-        return scaled, biases - self._shift @ scaled
-
-    def _set(self, shift: FloatArray, width: FloatArray) -> None:
-        self._shift, self._width = shift.astype(np.float32), width.astype(np.float32)
-
-
-class Progress(NamedTuple):
-    """The state of a training, after an update."""
-
-    steps: int
-    """Environment steps so far, over all environments."""
-    seconds: float
-    """Time since the beginning [s]."""
-    episodes: int
-    """Number of episodes that have ended since the last update."""
-    success: float
-    """The fraction of these episodes that reached the goal; NaN without any."""
-    reward: float
-    """The mean return of these episodes; NaN without any."""
-
-
-class TrainingInterrupted(KeyboardInterrupt):
-    """Ctrl-C during a training.
-
-    Args:
-        policy: as it was then.
-    """
-
-    def __init__(self, policy: Policy) -> None:
-        super().__init__()
-        self.policy = policy
 
 
 class _Rollout(NamedTuple):
@@ -200,6 +63,7 @@ class Ppo:
         self._scale = Scale(size)
         # A robot alone learns slower with normalised beams: they drown the goal.
         self._normalises = env.navigation.settings.neighbors > 0
+        self._mirror = Mirror.of(env.navigation) if settings.mirror else None
         self._seed = seed
 
     def train(
@@ -257,10 +121,16 @@ class Ppo:
 
     def _learn_scale(self) -> None:
         """Makes a rollout for the scale alone: at a reset all stand still."""
-        rows = self._roll_out().observations
-        self._scale.take(rows.reshape(-1, rows.shape[-1]))
+        self._take_scale(self._roll_out().observations)
         self._observations, _ = self._env.reset(seed=self._seed)
         self._rewards[:] = 0.0
+
+    def _take_scale(self, observations: Float32Array) -> None:
+        """Makes the scale learn from observations, and from their mirror images."""
+        rows = observations.reshape(-1, observations.shape[-1])
+        if self._mirror is not None:
+            rows = np.concatenate([rows, self._mirror.observations(rows)])
+        self._scale.take(rows)
 
     def _roll_out(self) -> _Rollout:
         """Collects a rollout of all environments."""
@@ -320,9 +190,13 @@ class Ppo:
             order = self._rng.permutation(size)
             for start in range(0, size, minibatch):
                 chosen = order[start : start + minibatch]
-                self._descend(_Rollout(*(each[chosen] for each in flat)), rate)
+                rows = _Rollout(*(each[chosen] for each in flat))
+                if self._mirror is not None:
+                    half = len(chosen) // 2
+                    self._mirror.turn(rows.observations[:half], rows.actions[:half])
+                self._descend(rows, rate)
         if self._normalises:
-            self._scale.take(flat.observations)
+            self._take_scale(flat.observations)
 
     def _descend(self, rows: _Rollout, rate: float) -> None:
         """Makes a step of the optimiser: the gradients of PPO's clipped objective."""
@@ -343,40 +217,6 @@ class Ppo:
         error = (values[-1][:, 0] - rows.returns)[:, None] * np.float32(0.5) / count
         critic = self._critic.backward(values, error.astype(np.float32))
         self._optimiser.step([*actor, *critic, log_std], rate)
-
-
-class TrainingBar:
-    """A bar of tqdm, for a terminal or a notebook: of the time, or of the steps without a limit.
-
-    Args:
-        steps: to train at most.
-        seconds: to train at most.
-
-    Raises:
-        MissingPackageError: tqdm is not installed.
-    """
-
-    def __init__(self, steps: int, seconds: float) -> None:
-        try:
-            from tqdm.auto import tqdm
-        except ImportError:
-            raise MissingPackageError("a progress bar needs tqdm: pip install tqdm") from None
-        self._is_timed = seconds < math.inf
-        self._bar = tqdm(
-            total=seconds if self._is_timed else steps,
-            unit="s" if self._is_timed else "steps",
-            bar_format=_BAR,
-        )
-
-    def show(self, now: Progress) -> None:
-        """Shows the progress."""
-        bar = self._bar
-        bar.set_postfix_str(f"{now.steps} steps, success {now.success:.1%}", refresh=False)
-        bar.update(min(now.seconds if self._is_timed else now.steps, bar.total) - bar.n)
-
-    def close(self) -> None:
-        """Leaves the bar as it is."""
-        self._bar.close()
 
 
 def _advantages(

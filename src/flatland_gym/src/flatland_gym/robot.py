@@ -9,10 +9,13 @@ from gymnasium import spaces
 
 from flatland2d import UsageError, find_robot
 from flatland_gym.settings import NavigationSettings
-from flatland_server import FloatArray, World
+from flatland_server import FloatArray, ModelPlugin, World
 
 Content = Dict[str, Any]
 """A world, a model or a plugin as plain data; see `flatland2d.world_content`."""
+
+_ALIKE = 1e-3
+"""Differences between left and right that do not count [m or rad]."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,8 @@ class Robot:
         action_limits: the largest value of each part of an action; the least is its negative.
         velocity_limits: of forwards, to the left and turning [m/s, m/s, rad/s]; 0 for a direction
             in which it cannot be driven.
+        mirrored_beams: for each beam the one in its mirror image, as far to the other side; empty
+            if the lidar does not look to both sides alike.
     """
 
     name: str
@@ -37,6 +42,7 @@ class Robot:
     beams: int
     action_limits: Tuple[float, ...]
     velocity_limits: Tuple[float, float, float]
+    mirrored_beams: Tuple[int, ...]
 
     @classmethod
     def of(cls, world: World, name: str, lidar: str, settings: NavigationSettings) -> "Robot":
@@ -68,6 +74,7 @@ class Robot:
             beams=len(found.core_lidar.lidar.ranges()),
             action_limits=tuple(limits[k] for k in columns),
             velocity_limits=velocities,
+            mirrored_beams=_mirrored_beams(found.lidar),
         )
 
     @property
@@ -79,6 +86,19 @@ class Robot:
         """The commands of the drive in its own units, within its limits: a new space."""
         high = self.actions.astype(np.float32)
         return spaces.Box(-high, high, dtype=np.float32)
+
+
+def _mirrored_beams(lidar: ModelPlugin) -> Tuple[int, ...]:
+    """`Robot.mirrored_beams`; none for a plugin without the `angles` and `origin` of a Laser."""
+    angles, origin = getattr(lidar, "angles", None), getattr(lidar, "origin", None)
+    if angles is None or origin is None or abs(origin.y) > _ALIKE:
+        return ()
+    turns = np.mod(angles + origin.yaw, math.tau)
+    order = np.argsort(turns)
+    places = np.searchsorted(turns[order], np.mod(-turns - _ALIKE, math.tau))
+    found = order[places % len(order)]
+    differences = np.mod(turns + turns[found] + _ALIKE, math.tau)
+    return tuple(found.tolist()) if (differences <= 2.0 * _ALIKE).all() else ()
 
 
 def set_beams(lidar: Content, beams: int) -> None:

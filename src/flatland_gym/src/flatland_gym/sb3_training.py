@@ -8,8 +8,8 @@ from gymnasium import spaces
 
 from flatland2d import UsageError
 from flatland_gym.policy import Policy
-from flatland_gym.ppo import Progress, TrainingBar, TrainingInterrupted
 from flatland_gym.sb3 import NavigationVecEnv
+from flatland_gym.training_progress import Progress, TrainingBar, TrainingInterrupted
 from flatland_server import Float32Array
 
 # After flatland_gym.sb3, which reports missing packages.

@@ -18,7 +18,7 @@ from flatland_gym.policy import Policy
 
 if TYPE_CHECKING:
     from flatland_gym.evaluation import Evaluation
-    from flatland_gym.ppo import Progress
+    from flatland_gym.training_progress import Progress
 
 # Modules that need Gymnasium are imported where they are used: `main` reports its absence.
 
@@ -44,7 +44,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
 
 def _train(options: argparse.Namespace) -> int:
     from flatland_gym.evaluation import StraightDriver, evaluate
-    from flatland_gym.ppo import TrainingInterrupted
+    from flatland_gym.training_progress import TrainingInterrupted
 
     _require_place(options.policy)  # before the training, not after it
     if options.curve is not None:
@@ -109,7 +109,8 @@ def _learn(
 ) -> Policy:
     """Trains by `Ppo`."""
     from flatland_gym.navigation_vector_env import NavigationVectorEnv
-    from flatland_gym.ppo import Ppo, PpoSettings
+    from flatland_gym.ppo import Ppo
+    from flatland_gym.ppo_settings import PpoSettings
 
     ppo = PpoSettings.of(dict(options.learner))
     env = NavigationVectorEnv(options.envs, options.threads, autoreset_mode="SameStep", **settings)

@@ -18,6 +18,7 @@ from flatland_server import (
     Float32Array,
     FloatArray,
     ModelPlugin,
+    Pose,
     RangeNoise,
     Timekeeper,
     UpdateTimer,
@@ -87,6 +88,11 @@ class Laser(ModelPlugin):
         """The directions of the beams in the lidar's frame [rad]: a new array (n,)."""
         laser = self._config
         return laser.angle_min + laser.increment * np.arange(laser.beams)
+
+    @property
+    def origin(self) -> Pose:
+        """Its place on its body: x, y [m] and yaw [rad]."""
+        return self._config.origin
 
     @property
     def range_max(self) -> float:

@@ -72,6 +72,10 @@ class VisibleWalls {
   /// Takes what GetKnown gave for equal walls. Returns false, and takes nothing, if it is something
   /// else.
   bool Take(const std::vector<uint32_t>& known) const;
+  /// The number of cells with known walls.
+  size_t found_count() const;
+  /// How many of them the file of a batch has; -1 before it was read.
+  mutable std::atomic<int64_t> filed_count{-1};
   static constexpr uint32_t kUnknown = UINT32_MAX;
   static constexpr uint32_t kAllWalls = UINT32_MAX - 1;  ///< too many can be seen for a list
 

@@ -77,6 +77,11 @@ void BindVisibleWalls(py::module_& m) {
            py::arg("segments"))
       .def_property_readonly("cell_count",
                              [](const Shared& self) { return self.walls->cell_count(); })
+      .def_property_readonly("found_count",
+                             [](const Shared& self) { return self.walls->found_count(); })
+      .def_property(
+          "filed_count", [](const Shared& self) { return self.walls->filed_count.load(); },
+          [](const Shared& self, int64_t count) { self.walls->filed_count = count; })
       .def("known",
            [](const Shared& self) {
              const std::vector<uint32_t> known = self.walls->GetKnown();

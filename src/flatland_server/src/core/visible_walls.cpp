@@ -169,6 +169,11 @@ void VisibleWalls::KeepLocked(const Grid& grid, int index, std::vector<uint32_t>
   cell.seen.store(found_.back().get(), std::memory_order_release);
 }
 
+size_t VisibleWalls::found_count() const {
+  const std::lock_guard lock(mutex_);
+  return found_.size();
+}
+
 std::vector<uint32_t> VisibleWalls::GetKnown() const {
   const std::lock_guard lock(mutex_);
   std::vector<uint32_t> known;

@@ -218,6 +218,11 @@ class VisibleWalls(metaclass=_Metaclass):
     @property
     def cell_count(self) -> int:
         """Number of cells of a metre; 0 if there are only a few walls."""
+    filed_count: int
+    """How many of the cells found the file of a batch has; -1 before it was read."""
+    @property
+    def found_count(self) -> int:
+        """Number of cells with known walls."""
     def known(self) -> bytes:
         """All that is known, for `take`: on this machine, as numbers of 32 bits."""
     def take(self, known: bytes) -> bool:

@@ -11,7 +11,7 @@ import json
 import math
 from dataclasses import fields
 from functools import lru_cache
-from typing import Any, Dict, List, Tuple, Type, TypeVar, Union, get_type_hints
+from typing import Any, Dict, List, Optional, Tuple, Type, TypeVar, Union, get_type_hints
 
 import numpy as np
 
@@ -19,6 +19,7 @@ T = TypeVar("T")
 
 _INTEGERS = range(-(2**63), 2**63)
 
+_PLAIN = frozenset((bool, int, float, str, type(None)))
 _NUMBERS = "biufc"
 """The kinds of dtypes of arrays: booleans, integers, floating-point and complex numbers."""
 
@@ -29,7 +30,7 @@ def dumps(data: Any) -> bytes:
     Raises:
         TypeError: a part of it is not plain data; says which.
     """
-    return json.dumps(_encode(data, "data"), separators=(",", ":")).encode()
+    return json.dumps(_encode(data), separators=(",", ":")).encode()
 
 
 def loads(data: bytes) -> Any:
@@ -94,37 +95,46 @@ def _is_of(value: Any, kind: Any) -> bool:
     return isinstance(value, kind)
 
 
-def _encode(value: Any, where: str) -> Any:
-    if value is None or isinstance(value, (bool, int, float, str)):
+def _encode(value: Any, place: "_Place" = None) -> Any:
+    if type(value) in _PLAIN:
+        return value
+    if isinstance(value, (int, float, str)):
         # Subclasses, as of enumerations or numpy's numbers, become what they are derived from.
-        for kind in (bool, int, float, str):
-            if isinstance(value, kind):
-                return kind(value)
-        return None
+        return next(kind(value) for kind in (int, float, str) if isinstance(value, kind))
     if isinstance(value, np.generic) and value.dtype.kind in _NUMBERS:
-        return _encode(value.item(), where) if value.dtype.kind in "biuf" else _array(value)
+        return _encode(value.item(), place) if value.dtype.kind in "biuf" else _array(value)
     if isinstance(value, np.ndarray) and value.dtype.kind in _NUMBERS:
         return _array(value)
     if isinstance(value, (bytes, bytearray)):
         return {"$bytes": _to_text(bytes(value))}
     if isinstance(value, (list, tuple)):
-        return [_encode(item, f"{where}[{index}]") for index, item in enumerate(value)]
+        return [_encode(item, (place, index)) for index, item in enumerate(value)]
     if isinstance(value, dict):
-        return _encode_dict(value, where)
+        return _encode_dict(value, place)
     raise TypeError(
-        f"{where}: expected numbers, strings, bytes, arrays of numbers, lists and dicts, "
+        f"{_shown(place)}: expected numbers, strings, bytes, arrays of numbers, lists and dicts, "
         f"found a {type(value).__name__}"
     )
 
 
-def _encode_dict(value: Dict[Any, Any], where: str) -> Dict[str, Any]:
-    items = {key: _encode(item, f"{where}[{key!r}]") for key, item in value.items()}
+def _encode_dict(value: Dict[Any, Any], place: "_Place") -> Dict[str, Any]:
+    items = {key: _encode(item, (place, key)) for key, item in value.items()}
     if all(isinstance(key, str) and not key.startswith("$") for key in items):
         return items
     for key in items:
         if not isinstance(key, (str, int)):
-            raise TypeError(f"{where}: expected keys that are strings or integers, found {key!r}")
+            raise TypeError(
+                f"{_shown(place)}: expected keys that are strings or integers, found {key!r}"
+            )
     return {"$dict": list(map(list, items.items()))}
+
+
+_Place = Optional[Tuple[Any, Any]]
+"""The place of a container, and an index or a key in it; None for the whole."""
+
+
+def _shown(place: _Place) -> str:
+    return "data" if place is None else f"{_shown(place[0])}[{place[1]!r}]"
 
 
 def _array(value: Any) -> Dict[str, Any]:

@@ -411,7 +411,9 @@ class SimulationBatch:
         from flatland2d.rendering.film import side_by_side
 
         shown = range(min(self._num_envs, _SHOWN))
-        return side_by_side([self.view(index).render((240, 180)) for index in shown])
+        return side_by_side(
+            [self.view(index).render((240, 180), follow=self.robot) for index in shown]
+        )
 
     # States
 

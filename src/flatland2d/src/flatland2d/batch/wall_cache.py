@@ -42,8 +42,9 @@ class WallCache:
             walls = _core.VisibleWalls(segments)
             if walls.cell_count == 0:
                 continue
-            file = _File(walls, hashlib.sha256(_core_hash() + segments.tobytes()).hexdigest())
-            file.load()
+            file = _File(walls, segments)
+            if walls.filed_count < 0:  # all batches of the process share them
+                file.load()
             files.append(file)
         self._save = weakref.finalize(self, _save, files)
 
@@ -60,34 +61,41 @@ def _save(files: Sequence["_File"]) -> None:
 class _File:
     """A file with what is known of the walls of a layer."""
 
-    def __init__(self, walls: _core.VisibleWalls, name: str) -> None:
+    def __init__(self, walls: _core.VisibleWalls, segments: Segments) -> None:
         self._walls = walls
-        self._name = name
-        self._size = len(walls.known())  # when it was read
+        self._segments = segments
+
+    @property
+    def _path(self) -> Path:
+        name = hashlib.sha256(_core_hash() + self._segments.tobytes()).hexdigest()
+        return _folder() / name
 
     def load(self) -> None:
         """Takes the file's walls, if there is one; a damaged one is to be replaced."""
+        self._walls.filed_count = 0
         try:
-            path = _folder() / self._name
+            path = self._path
             content = path.read_bytes() if path.stat().st_size <= _LARGEST_FILE else b""
             os.utime(path)
         except (OSError, RuntimeError):  # there is no home folder
             return
         known = content[32:]
-        is_sound = hashlib.sha256(known).digest() == content[:32] and self._walls.take(known)
-        self._size = len(known) if is_sound else 0
+        if hashlib.sha256(known).digest() == content[:32] and self._walls.take(known):
+            self._walls.filed_count = self._walls.found_count
 
     def save(self) -> None:
-        """Writes all that is known, if that is more than was read."""
-        known = self._walls.known()
-        if len(known) <= self._size:
+        """Writes all that is known, if that is more than the file has."""
+        count = self._walls.found_count
+        if count <= self._walls.filed_count:
             return
+        known = self._walls.known()
         with contextlib.suppress(OSError, RuntimeError):
-            folder = _folder()
-            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            with replacing(folder / self._name) as partial:
+            path = self._path
+            path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            with replacing(path) as partial:
                 partial.write_bytes(hashlib.sha256(known).digest() + known)
-            _delete_oldest(folder)
+            self._walls.filed_count = count
+            _delete_oldest(path.parent)
 
 
 def _folder() -> Path:

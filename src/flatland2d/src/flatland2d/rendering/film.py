@@ -13,6 +13,9 @@ from flatland_server.arguments import shown
 from flatland_server.arrays import UInt8Array
 from flatland_server.exceptions import FlatlandError, UsageError
 
+_GAP = 4
+"""Between pictures side by side [pixels]."""
+
 
 class Animation:
     """Pictures of a run, which a notebook plays.
@@ -94,11 +97,11 @@ class Animation:
 
 
 def side_by_side(pictures: Sequence[UInt8Array]) -> bytes:
-    """A PNG of pictures of the same size, in rows."""
+    """A PNG of pictures of the same size, in rows, with white lines between them."""
     columns = math.ceil(math.sqrt(len(pictures)))
-    height, width = pictures[0].shape[:2]
+    height, width = (size + _GAP for size in pictures[0].shape[:2])
     rows = math.ceil(len(pictures) / columns)
-    sheet = Image.new("RGB", (columns * width, rows * height), "white")
+    sheet = Image.new("RGB", (columns * width - _GAP, rows * height - _GAP), "white")
     for index, picture in enumerate(pictures):
         row, column = divmod(index, columns)
         sheet.paste(Image.fromarray(picture), (column * width, row * height))

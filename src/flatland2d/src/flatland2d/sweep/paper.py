@@ -1,7 +1,8 @@
 """The summary of a sweep for a paper: a LaTeX and a Markdown table, and a figure."""
 
 import io
-from typing import Any, Dict, List, Mapping, Optional, Sequence
+import textwrap
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 from flatland2d.sweep.metrics import SUMMARISED, Metric
 from flatland_server.exceptions import MissingPackageError
@@ -12,6 +13,7 @@ _LATEX = {
     "^": "\\textasciicircum{}",
     "\\": "\\textbackslash{}",
     "³": "\\textsuperscript{3}",
+    "\N{MINUS SIGN}": "$-$",
     "\N{UPWARDS ARROW}": "$\\uparrow$",
     "\N{DOWNWARDS ARROW}": "$\\downarrow$",
 }
@@ -20,6 +22,10 @@ _COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#0
 _PANEL = (1.75, 1.65)  # inches
 _PANELS_IN_ROW = 4  # as wide as the text of a page with two columns
 _MARKERS = "osD^vP*"
+_LETTERS = 20
+"""In a line beside a panel."""
+_LOWEST = -0.04
+"""Lower end of an axis relative to its upper end: a mark at 0 is whole."""
 
 Summary = Sequence[Mapping[str, Any]]
 """See `summary_rows`."""
@@ -30,7 +36,7 @@ def markdown_table(summary: Summary) -> str:
     heads = ["world", "metric", *_controllers(summary)]
     lines = [heads, ["---"] * len(heads)]
     for title, rows in _groups(summary).items():
-        lines += [[title, *line] for line in _lines(rows, heads[2:])]
+        lines += [[title, *line] for line in _lines(rows, heads[2:], summary)]
     return "".join(
         f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |\n" for line in lines
     )
@@ -43,6 +49,8 @@ def latex_table(summary: Summary) -> str:
     """
     controllers = _controllers(summary)
     lines = [
+        "% Intervals of 95 % confidence: Wilson's score interval for rates, Student's for means.",
+        "% Times and paths to the goal are those of the runs that have reached it.",
         f"\\begin{{tabular}}{{l{'r' * len(controllers)}}}",
         "\\toprule",
         _latex_row(["", *controllers]),
@@ -53,14 +61,14 @@ def latex_table(summary: Summary) -> str:
             "\\midrule",
             f"\\multicolumn{{{width}}}{{l}}{{\\textit{{{_in_latex(title)}}}}} \\\\",
         ]
-        lines += map(_latex_row, _lines(rows, controllers))
+        lines += map(_latex_row, _lines(rows, controllers, summary))
     return "\n".join([*lines, "\\bottomrule", "\\end{tabular}"]) + "\n"
 
 
 def figure(summary: Summary) -> bytes:
     """The metrics of each controller with their confidence intervals, as PDF.
 
-    A panel for each metric that has values, and a color for each world with its parameters.
+    A panel for each metric that has values, from 0; a color for each world with its parameters.
 
     Raises:
         MissingPackageError: matplotlib is missing.
@@ -89,7 +97,11 @@ def figure(summary: Summary) -> bytes:
                 _draw(panel, places, group, name, index % len(_COLORS), label)
             panel.set_xticks(range(len(controllers)), controllers, rotation=30, ha="right")
             panel.set_xlim(-0.5, len(controllers) - 0.5)
-            panel.set_ylabel(SUMMARISED[name].label.replace(" [", "\n["))
+            panel.set_ylabel(
+                textwrap.fill(_name(name).replace(" [", "\N{NO-BREAK SPACE}["), _LETTERS)
+            )
+            top = 100.0 if SUMMARISED[name].is_rate else panel.get_ylim()[1]
+            panel.set_ylim(_LOWEST * top, (1.0 - _LOWEST) * top)
             panel.grid(axis="y", linewidth=0.3)
         if len(groups) > 1:
             drawn.axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False)
@@ -102,13 +114,12 @@ def _draw(
     panel: Any, places: List[float], rows: Summary, name: str, style: int, label: str
 ) -> None:
     """Draws the estimates of a metric, each with its interval."""
-    found = [
-        (place, row[name], row[f"{name}_low"], row[f"{name}_high"])
-        for place, row in zip(places, rows)
-        if row[name] is not None
+    found = [(place, *_ends(name, row)) for place, row in zip(places, rows)]
+    points = [
+        (x, y, 0.0 if low is None else y - low, 0.0 if high is None else high - y)
+        for x, y, low, high in found
+        if y is not None
     ]
-    points = [(x, y, y - low, high - y) for x, y, low, high in found if low is not None]
-    points += [(x, y, 0.0, 0.0) for x, y, low, _ in found if low is None]
     if points:
         x, y, below, above = zip(*points)
         look = {"fmt": _MARKERS[style], "color": _COLORS[style]}
@@ -129,46 +140,63 @@ def _groups(summary: Summary) -> Dict[str, List[Mapping[str, Any]]]:
     return groups
 
 
-def _lines(rows: Summary, controllers: Sequence[str]) -> List[List[str]]:
-    """The numbers of runs, and the metrics that have values: a label, and a cell by controller."""
+def _lines(rows: Summary, controllers: Sequence[str], summary: Summary) -> Iterator[List[str]]:
+    """The numbers of runs, and the metrics that have values: a label, and a cell by controller.
+
+    A metric has equally many decimals in the whole summary.
+    """
     by_controller = {str(row["controller"]): row for row in rows}
     found = [by_controller.get(name) for name in controllers]
-    counts = [["runs", *(str(row["scenarios"]) if row else "" for row in found)]]
+    yield ["runs", *(str(row["scenarios"]) if row else "" for row in found)]
     if any(row["failed"] for row in rows):
-        counts.append(["failed to run", *(str(row["failed"]) if row else "" for row in found)])
-    names = [name for name in rows[0] if f"{name}_low" in rows[0]]
-    used = [name for name in names if any(row[name] is not None for row in rows)]
-    return counts + [[_label(name), *_cells(name, found)] for name in used]
+        yield ["failed to run", *(str(row["failed"]) if row else "" for row in found)]
+    for name in rows[0]:
+        if f"{name}_low" in rows[0] and any(row[name] is not None for row in rows):
+            form = _form(name, summary)
+            yield [_label(name), *(_cell(name, row, form) if row else "" for row in found)]
 
 
-def _label(name: str) -> str:
-    """A metric with its unit, and an arrow up if more is better, down if less is."""
-    metric = SUMMARISED.get(name, Metric(name, 0))
-    label = f"{metric.label} [%]" if metric.is_rate else metric.label
-    return label + ("", " \N{UPWARDS ARROW}", " \N{DOWNWARDS ARROW}")[metric.better]
+def _name(metric: str) -> str:
+    """A metric with its unit."""
+    found = SUMMARISED.get(metric, Metric(metric, 0))
+    return f"{found.label} [%]" if found.is_rate else found.label
 
 
-def _cells(name: str, rows: Sequence[Optional[Mapping[str, Any]]]) -> List[str]:
-    """A metric of several rows with its intervals, all with equally many decimals."""
-    is_rate = name in SUMMARISED and SUMMARISED[name].is_rate
-    scale = 100.0 if is_rate else 1.0
-    ends = [[row[f"{name}{end}"] if row else None for end in ("", "_low", "_high")] for row in rows]
-    scaled = [[None if x is None else scale * x for x in each] for each in ends]
-    most = max(abs(x) for each in scaled for x in each if x is not None)
-    decimals = 1 if is_rate or most >= 10.0 else 2 if most >= 1.0 else 3
+def _label(metric: str) -> str:
+    """The same with an arrow: up if more is better, down if less is."""
+    better = SUMMARISED[metric].better if metric in SUMMARISED else 0
+    return _name(metric) + ("", " \N{UPWARDS ARROW}", " \N{DOWNWARDS ARROW}")[better]
 
-    def text(value: float) -> str:
-        is_fixed = most == 0.0 or 0.01 <= most < 1e6
-        return f"{round(value, decimals) + 0.0:.{decimals}f}" if is_fixed else f"{value:.3g}"
 
-    def cell(value: Optional[float], low: Optional[float], high: Optional[float]) -> str:
-        if value is None:
-            return ""
-        if low is None or high is None:
-            return text(value)
-        return f"{text(value)} [{text(low)}, {text(high)}]"
+def _ends(name: str, row: Mapping[str, Any]) -> Tuple[Optional[float], ...]:
+    """The value of a metric and the ends of its interval; of a rate in per cent."""
+    scale = 100.0 if name in SUMMARISED and SUMMARISED[name].is_rate else 1.0
+    values = (row.get(f"{name}{end}") for end in ("", "_low", "_high"))
+    return tuple(None if value is None else scale * value for value in values)
 
-    return [cell(*each) for each in scaled]
+
+def _form(name: str, rows: Summary) -> str:
+    """The format of a metric in these rows."""
+    if name in SUMMARISED and SUMMARISED[name].is_rate:
+        return ".1f"
+    most = max(abs(value) for row in rows for value in _ends(name, row) if value is not None)
+    if most and not 0.01 <= most < 1e6:
+        return ".3g"
+    return ".1f" if most >= 10.0 or not most else ".2f" if most >= 1.0 else ".3f"
+
+
+def _cell(name: str, row: Mapping[str, Any], form: str) -> str:
+    """A metric with its interval."""
+
+    def text(number: float) -> str:
+        shown = format(number, form)
+        return (shown if float(shown) else format(0.0, form)).replace("-", "\N{MINUS SIGN}")
+
+    value, low, high = _ends(name, row)
+    if value is None:
+        return ""
+    ends = "" if low is None or high is None else f" [{text(low)}, {text(high)}]"
+    return text(value) + ends
 
 
 def _latex_row(cells: Sequence[str]) -> str:

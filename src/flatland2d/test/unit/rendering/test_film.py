@@ -63,9 +63,10 @@ def test_wrong_calls_are_refused(film, tmp_path, call, message):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize(("count", "size"), [(1, (240, 180)), (5, (720, 360)), (40, (720, 540))])
+@pytest.mark.parametrize(("count", "size"), [(1, (240, 180)), (5, (728, 364)), (40, (728, 548))])
 def test_a_notebook_shows_the_first_environments_of_a_batch(count, size):
     with SimulationBatch("test_room", count) as batch:
         image, [found] = pictures(batch._repr_png_())
         assert image.size == size
-        assert np.array_equal(found[:180, :240], batch.view(0).render((240, 180)))
+        first = batch.view(0).render((240, 180), follow=batch.robot)
+        assert np.array_equal(found[:180, :240], first)

@@ -233,8 +233,11 @@ SUMMARY = [
 
 
 def test_a_table_for_latex_has_a_column_for_each_controller():
-    assert latex_table(SUMMARY) == (
-        "\\begin{tabular}{lrr}\n\\toprule\n & a \\& b & c|d \\\\\n\\midrule\n"
+    notes, table = latex_table(SUMMARY).split("\\begin", 1)
+
+    assert all(line.startswith("% ") for line in notes.splitlines())
+    assert table == (
+        "{tabular}{lrr}\n\\toprule\n & a \\& b & c|d \\\\\n\\midrule\n"
         "\\multicolumn{3}{l}{\\textit{room\\_1}} \\\\\n"
         "runs & 10 & 10 \\\\\n"
         "success [\\%] $\\uparrow$ & 90.0 [60.0, 98.0] & 90.0 [60.0, 98.0] \\\\\n"
@@ -250,7 +253,7 @@ def test_a_table_in_markdown():
     )
 
 
-def test_numbers_of_a_row_have_equally_many_decimals_and_no_signs_of_rounding():
+def test_numbers_of_a_metric_have_equally_many_decimals_and_no_signs_of_rounding():
     def row(name, **values):
         ends = {
             f"{key}{end}": value for key, each in values.items() for end, value in zip(ENDS, each)
@@ -264,16 +267,20 @@ def test_numbers_of_a_row_have_equally_many_decimals_and_no_signs_of_rounding():
         "b", mean_jerk=(0.5, 0.25, 0.75), mine=none, time_to_goal=none, spl=(0.5, 0.4, 0.6)
     )
 
-    table = markdown_table([first, second, {**first, "world": "other", "controller": "c"}])
+    other = {**first, "world": "other", "controller": "c", "mean_jerk": 0.5, "stalled_time": 0.0}
+    table = markdown_table([first, second, other])
 
     assert "| room_1 | failed to run | 1 | 1 |  |" in table
     assert (
         "| mean jerk [m/s³] \N{DOWNWARDS ARROW} | 12.3 [9.0, 15.0] | 0.5 [0.2, 0.8] |  |" in table
     )
     assert "| SPL \N{UPWARDS ARROW} | 0.000 [0.000, 0.040] | 0.500 [0.400, 0.600] |  |" in table
-    assert "| mine | 2e-06 [-3e-06, 7e-06] |  |  |" in table
+    assert "| mine | 2e-06 [-3e-06, 7e-06] |  |  |".replace("-", "\N{MINUS SIGN}") in table
     assert "| time to goal [s] \N{DOWNWARDS ARROW} | 3.00 |  |  |" in table
     assert "| other | SPL \N{UPWARDS ARROW} |  |  | 0.000 [0.000, 0.040] |" in table
+    assert "| other | mean jerk [m/s³] \N{DOWNWARDS ARROW} |  |  | 0.5 [9.0, 15.0] |" in table
+    assert "| other | stalled time [s] \N{DOWNWARDS ARROW} |  |  | 0.0 |" in table
+    assert "mine & 2e$-$06 [$-$3e$-$06, 7e$-$06] &" in latex_table([first, second])
 
 
 def test_a_figure_is_the_same_file_each_time():

@@ -4,10 +4,11 @@ from typing import Any, Callable, Collection, Set
 
 from flatland_server.messages.message_types import get
 from flatland_server.real_time_timer import RealTimeTimer
-from flatland_server.transport.static_transforms import TOPIC, TFMessage
+from flatland_server.transport.static_transforms import TOPIC
 from flatland_server.transport.transport import Transport
 
 TransformStamped = get("geometry_msgs/TransformStamped")
+TFMessage = get("tf2_msgs/TFMessage")
 
 FRAME_ID = "map"
 """The frame of the world."""

@@ -4,7 +4,7 @@ It does not include the world's files: loading a state rebuilds the world from i
 additions and deletions made since, and then sets the values that have changed.
 """
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Union
 
@@ -83,7 +83,8 @@ class WorldState:
 
     def dumps(self) -> bytes:
         """The state as bytes; see `plain_data`."""
-        return plain_data.dumps({_FORMAT_KEY: _FORMAT, **asdict(self)})
+        parts = {name: [vars(each) for each in getattr(self, name)] for name in _PARTS}
+        return plain_data.dumps({_FORMAT_KEY: _FORMAT, **vars(self), **parts})
 
     @classmethod
     def loads(cls, data: bytes) -> "WorldState":

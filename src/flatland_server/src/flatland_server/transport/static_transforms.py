@@ -11,8 +11,6 @@ from flatland_server.transport.transport import Publisher
 
 TOPIC = "/tf_static"
 
-TFMessage = get("tf2_msgs/TFMessage")
-
 
 class StaticTransforms:
     """Joins the messages of publishers.
@@ -46,7 +44,8 @@ class StaticTransforms:
         self.is_changed = False
         if self._publisher is None:
             self._publisher = self._open_publisher()
-        self._publisher.publish(TFMessage(list(self.transforms.values())))
+        message = get("tf2_msgs/TFMessage")  # takes 10 ms to import, and few worlds need it
+        self._publisher.publish(message(list(self.transforms.values())))
 
     def _update(self, part: "_Part", is_closed: bool) -> None:
         """Puts a part at the end: what was sent last counts."""
