@@ -15,6 +15,7 @@ IMAGES = ROOT / "docs" / "images"
 BOX = ROOT / "src" / "flatland_server" / "worlds" / "office" / "box.model.yaml"
 SIZE = (1296, 868)  # of the screen: the window, and room for a window manager's frame
 TOOLBAR = 90  # height [pixels]
+TIMELINE = 130  # from the lower edge of the screen [pixels]
 PORT = 11399
 ROBOT, SCAN = (51, 128, 204), (213, 94, 0)
 LIMIT = 60.0  # s
@@ -88,9 +89,9 @@ class Screen:
         self.xdotool("mousemove", x - 3, y, "sleep", 0.3, "mousemove", x, y, "sleep", 0.5)
 
     def find(self, color):
-        """The middle and the number of the pixels of this colour below the toolbar."""
+        """The middle and the number of the pixels of this colour between toolbar and timeline."""
         difference = np.abs(np.asarray(self.picture()).astype(int) - color).max(axis=2)
-        ys, xs = np.nonzero(difference[TOOLBAR:] <= 45)
+        ys, xs = np.nonzero(difference[TOOLBAR:-TIMELINE] <= 45)
         return (round(xs.mean()), round(ys.mean()) + TOOLBAR) if len(xs) else None, len(xs)
 
     def wait_for(self, color, least):

@@ -137,6 +137,24 @@ def test_a_world_is_drawn(folder):
     assert Path("near.svg").read_text().startswith("<svg")
 
 
+def test_the_way_of_a_model_is_drawn(folder, capsys):
+    tween = "{type: Tween, name: tween, body: base, mode: loop, delta: [1, 0, 0], duration: 1}"
+    (folder / "robot.model.yaml").write_text(f"{ROBOT}  - {tween}\n")
+    arguments = ["render", "world.yaml", "-o", "way.svg", "--time", "0.5"]
+
+    assert main(arguments) == 0
+    without = Path("way.svg").read_text()
+    assert main([*arguments, "--trail", "robot"]) == 0
+    lines = [
+        re.findall(r"[-0-9.]+,[-0-9.]+", line)
+        for line in set(Path("way.svg").read_text().split("<")) - set(without.split("<"))
+    ]
+    assert len(lines) == 2  # of the robot, and of its odometry
+    assert min(map(len, lines)) > 5
+    assert main([*arguments, "--trail", "robt"]) == 1
+    assert 'did you mean "robot"' in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -91,6 +91,16 @@ def test_a_spawned_entity_has_its_name_and_state(call):
     assert call("get_entities_states")["entities"] == ["robot", "box_2"]
 
 
+def test_an_entity_that_was_put_elsewhere_is_an_edit_of_the_world(call, client):
+    client.subscribed("/flatland_server/state")
+    assert client.next_of("/flatland_server/state")["edits"] == 0
+
+    state = {"pose": {"position": {"x": 1.5}}}
+    call("set_entity_state", entity="robot", set_pose=True, state=state)
+
+    assert any(client.next_of("/flatland_server/state")["edits"] == 1 for _ in range(10))
+
+
 def test_a_group_is_spawned_as_far_as_possible(call, world):
     resource = {"uri": (world.parent / "robot.model.yaml").as_uri().replace("%20", " ")}
     entries = [{"name": name, "entity_resource": resource} for name in ("a", "robot", "b")]

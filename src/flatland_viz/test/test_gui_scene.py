@@ -178,6 +178,8 @@ def test_robots_have_names_and_headings_that_switches_hide(window):
     window.screen.move(window.map.pixel(4.0, -2.5))
     window.waiting(lambda: plate(window, "marks", -3.0, 0.0) > 100, "its name")
     assert red() > 40
+    blue_robot = window.picture("marks")[window.map.around(0.0, -1.5, 0.15)]
+    assert near(blue_robot, (255, 255, 255), 20).sum() > 40  # its colour is its body's, nearly
     assert plate(window, "marks", *CRATE) < 20  # other models have no name
 
     for key in ("n", "e"):  # View > Names, Headings
@@ -237,12 +239,17 @@ def test_an_arrow_is_small_on_a_large_robot(window):
 
 
 def test_a_door_is_no_robot(window):
+    def plates():
+        """The number of pixels of plates with names, which robots have, in the view."""
+        return near(window.picture("door")[window.view], window.screen.kind.plate, 3).sum()
+
+    before = window.screen.settled(plates, 0.5)
     window.ros.spawn(DOOR, "door", 3.0, 0.0)
     around = window.map.around(3.0, 0.0, 1.0)
     panel = lambda: near(window.picture("door")[around], (64, 140, 153), 25).sum()  # noqa: E731
     window.waiting(lambda: panel() > 100, "the door")
     window.screen.settled(panel, 0.5)
-    assert plate(window, "door", 3.0, 0.0) < 20  # robots have a name
+    assert plates() < before + 50
     window.ros.call("/delete_model", name="door")
 
 

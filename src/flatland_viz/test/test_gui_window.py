@@ -10,13 +10,14 @@ import xmlrpc.client
 
 import numpy as np
 import pytest
+from gui_screen import FIRST_ROBOT
 from room_window import ROBOT, WORLD, WORLDS, RoomWindow
 from screen_pictures import near
 
 pytestmark = pytest.mark.slow
 
 BOX = WORLDS / "office" / "box.model.yaml"
-BOX_COLOR = (194, 145, 87)
+BOX_COLOR, ROBOT_COLOR = (194, 145, 87), (51, 128, 204)
 TITLE = "Flatland.*"
 
 
@@ -58,18 +59,42 @@ def test_reset_starts_again(paused):
     paused.screen.picture("window_reset")
 
 
+def test_nothing_vanishes_in_a_reset(window):
+    """Neither the robot nor its scan, also when time starts again and displays are cleared."""
+
+    def pixels():
+        picture = window.screen.picture("window_in_reset")
+        view = picture[window.screen.view(picture)]
+        return [near(view, color, 30).sum() for color in (ROBOT_COLOR, FIRST_ROBOT)]
+
+    before = window.screen.settled(pixels, 0.5)
+    assert min(before) > 100
+    window.screen.picture("window_before_reset")
+    reset = window.ros.start("rosservice", "call", "/reset", "{restart_time: true}")
+    least, end = before, None
+    while end is None or time.monotonic() < end:
+        least = np.minimum(least, pixels())
+        if end is None and reset.poll() is not None:
+            end = time.monotonic() + 1.0  # the displays are cleared in this second
+    assert (least > 0.7 * np.array(before)).all(), (before, least)
+
+
 def test_single_steps_and_several(paused):
     before = paused.ros.state()["stamp"]
     paused.waiting(lambda: paused.says("paused"), '"paused" in the status line')
-    paused.key("F10")
-    paused.wait_for_state(stamp=pytest.approx(before + 0.02))
+    message = lambda: paused.status_line("window_step")[0][:, : paused.screen.px(200)]  # noqa: E731
+    for number in (1, 2):
+        former = message()
+        paused.key("F10")
+        paused.wait_for_state(stamp=pytest.approx(before + 0.02 * number))
+        paused.waiting(lambda m=former: (message() != m).any(), "a message with the new time")
     paused.key("shift+F10")
     paused.wait_for_dialog("Steps")
     paused.screen.key("ctrl+a")
     paused.screen.type("20")
     paused.screen.picture("window_steps")
     paused.screen.key("Return")
-    paused.wait_for_state(stamp=pytest.approx(before + 0.42))
+    paused.wait_for_state(stamp=pytest.approx(before + 0.44))
 
 
 def test_clicks_on_the_status_line_pause_and_change_the_rate(window):
@@ -173,11 +198,13 @@ def test_a_spawn_that_was_refused_is_tried_again_at_its_place(window):
     window.ros.call("/delete_model", name="crate")
 
 
-def test_a_second_robot_gets_a_name_and_a_namespace_of_its_own(window):
+@pytest.mark.parametrize("file", [ROBOT, ROBOT.name], ids=["path", "name"])
+def test_a_second_robot_gets_a_name_and_a_namespace_of_its_own(window, file):
+    (window.world.parent / ROBOT.name).write_text(ROBOT.read_text())
     window.press("a")
     window.wait_for_dialog("Spawn Model")
     window.screen.key("alt+f", "ctrl+a")
-    window.screen.type(ROBOT)
+    window.screen.type(file)
     window.screen.key("Tab")
     window.screen.picture("window_second")
     window.screen.key("Return")
@@ -415,6 +442,8 @@ def test_warnings_of_the_server_are_counted_and_listed(window):
 def test_robots_that_share_their_commands_are_a_problem(window):
     window.ros.spawn(ROBOT, "r2", 2.0, 1.0)
     window.open_problems("warning", "window_shared")
+    # tf2 has warned of the shared frames at each step.
+    assert window.launch.output.count("redundant timestamp for frame base_link") == 1
     window.screen.key("Escape")
     window.screen.wait_until_closed("Problems")
     window.ros.call("/delete_model", name="r2")
@@ -471,16 +500,20 @@ def test_a_held_space_bar_pauses_once_and_other_keys_do_nothing(window):
 
 
 def test_the_keys_are_shown(window):
-    window.key("F1")
-    dialog = window.wait_for_dialog("Keys and Mouse")
-
     def shows_text():
         pixels = window.screen.picture_of(dialog, "window_keys").astype(int)
         return (abs(pixels - np.median(pixels)).max(axis=2) > 120).sum() > 2000
 
-    window.waiting(shows_text, "the keys")
-    window.screen.key("Escape")
-    window.screen.wait_until_closed("Keys and Mouse")
+    view = lambda: window.screen.click(window.map.pixel(1.5, 1.5))  # noqa: E731
+    search = lambda: window.screen.key("ctrl+f")  # noqa: E731
+    for focus, keys in ((view, ["F1"]), *((each, ["alt+h", "k"]) for each in (view, view, search))):
+        window.screen.focus(window.id)
+        focus()
+        window.screen.key(*keys)
+        dialog = window.wait_for_dialog("Keys and Mouse")
+        window.waiting(shows_text, "the keys")
+        window.screen.key("Escape")
+        window.screen.wait_until_closed("Keys and Mouse")
 
 
 def pid_of(uri, node):

@@ -80,7 +80,7 @@ class SimulatedGraph(Graph, Tap):
         ModelServices(world, self._host, files, edits)
         StateServices(manager, self._host, files, _CONTROL_PERIOD)
         WorldSaving(manager, self._host, files, edits)
-        standard = SimulationInterfaces(manager, self._host, self._host.actions)
+        standard = SimulationInterfaces(manager, self._host, self._host.actions, edits)
         for name, (kind, action) in standard.actions.items():
             self._host.add(name, kind, action)
         self._topics_timer = RealTimeTimer(_TOPICS_PERIOD)

@@ -13,6 +13,7 @@ from flatland_server.geometry import Pose
 from flatland_server.messages import fill_pose, fill_twist, header, yaw_of
 from flatland_server.messages.message_types import get
 from flatland_server.models.model import Model
+from flatland_server.serving.client_edits import ClientEdits
 from flatland_server.serving.client_files import told
 from flatland_server.serving.map_to_odom import FRAME_ID
 from flatland_server.serving.service_host import Action, ServiceHost
@@ -39,10 +40,14 @@ class EntityServices:
         manager: the simulation.
         host: runs what changes it.
         call: calls Flatland's own services.
+        edits: is told of changes.
     """
 
-    def __init__(self, manager: SimulationManager, host: ServiceHost, call: Calls) -> None:
+    def __init__(
+        self, manager: SimulationManager, host: ServiceHost, call: Calls, edits: ClientEdits
+    ) -> None:
         self._manager = manager
+        self._edits = edits
         self._host = host
         self._call = call
 
@@ -183,6 +188,7 @@ class EntityServices:
                 raise Failure(Result.RESULT_OPERATION_FAILED, "a static body does not move")
             if request.set_pose:
                 self._manager.world.move_model(request.entity, pose)
+                self._edits.note_move(request.entity, pose)
             x, y, _ = model.base.physics_body.pose
             for body, velocity in zip(model.physics_bodies, velocities):
                 dx, dy = body.pose[0] - x, body.pose[1] - y

@@ -9,6 +9,7 @@ from flatland_bridge.simulation_results import Calls, Failure, Result, path_of, 
 from flatland_server.config.shipped_worlds import shipped_worlds
 from flatland_server.exceptions import YamlError
 from flatland_server.messages.service_types import ServiceType
+from flatland_server.serving.client_edits import ClientEdits
 from flatland_server.serving.client_files import told
 from flatland_server.serving.service_host import Action, ServiceHost
 from flatland_server.simulation.simulation_manager import SimulationManager
@@ -39,15 +40,20 @@ class SimulationInterfaces:
         manager: the simulation.
         host: runs what changes it.
         actions: of Flatland's own services, by their absolute names.
+        edits: is told of changes.
     """
 
     def __init__(
-        self, manager: SimulationManager, host: ServiceHost, actions: Mapping[str, Action]
+        self,
+        manager: SimulationManager,
+        host: ServiceHost,
+        actions: Mapping[str, Action],
+        edits: ClientEdits,
     ) -> None:
         self._manager = manager
         self._host = host
         self._call = Calls(actions)
-        self._entities = EntityServices(manager, host, self._call)
+        self._entities = EntityServices(manager, host, self._call, edits)
         self._is_stopped = False  # it was, and has been paused since
 
     @property

@@ -48,6 +48,10 @@ class OdometryPlugin(ModelPlugin):
         """Reads the frames of the estimated and of the true poses."""
         self._odom_frame = self.get_frame_id(config, "odom_frame_id", "odom")
         self._ground_truth_frame = self.get_frame_id(config, "ground_truth_frame_id", "map")
+        is_own = self._odom_frame.startswith(f"{self.node.namespace}_")
+        is_true = self._odom_frame == self._ground_truth_frame
+        if self.model.has_own_frames and not (is_own or is_true):
+            self._odom_frame = self.name_space_tf(self._odom_frame)
 
     def open_odometry(self, body: ModelBody, config: OdometryConfig, period: float) -> None:
         """Opens the topics, after `read_frames`.

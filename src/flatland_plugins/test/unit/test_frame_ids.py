@@ -55,6 +55,22 @@ def test_a_frame_is_as_it_is_written_or_within_the_namespace(
         assert frame_of(robot, f"/{namespace}/{topic}" if namespace else topic) == frame
 
 
+@pytest.mark.parametrize(
+    ("keys", "frame"),
+    [
+        ("odom_frame_id: odom", "r1_odom"),
+        ("odom_frame_id: ~odom", "r1_odom"),
+        ("odom_frame_id: map", "map"),  # that of the ground truth
+    ],
+)
+def test_a_namespace_with_a_tilde_has_a_frame_of_odometry(files, keys, frame):
+    robot = files.robot(f"{DRIVE}, {keys}", namespace="~r1").run()
+
+    [(child, transform)] = robot.transport.transforms.items()
+    assert (transform.parent, child) == (frame, "r1_base")
+    assert frame_of(robot, "/r1/odometry/filtered") == frame
+
+
 @pytest.mark.parametrize(("key", "frame"), [("~", "odom"), ("", "odom"), ("~odom", "r1_odom")])
 def test_a_tilde_alone_is_no_frame_but_nothing(files, key, frame):
     drive = f"{{{DRIVE}, odom_frame_id: {key}}}"

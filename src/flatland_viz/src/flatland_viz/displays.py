@@ -7,23 +7,13 @@ from typing import Iterable, List, NamedTuple, Tuple
 
 from flatland_teleop.natural_order import natural_key
 
-MARKERS = "rviz/MarkerArray"
 BODIES = "flatland_viz/Bodies"
-SCAN = "rviz/LaserScan"
-HANDLES = "rviz/InteractiveMarkers"
+SCAN = "flatland_viz/Scan"
 WALLS = "flatland_viz/Walls"
 
 FOOTPRINTS = "models"
 """The name of the display with the models' bodies."""
 SCAN_TYPE = "sensor_msgs/LaserScan"
-
-TOPIC_PROPERTIES = {
-    BODIES: "Marker Topic",
-    SCAN: "Topic",
-    HANDLES: "Update Topic",
-    WALLS: "Topic",
-}
-"""The name of the topic's property in rviz, by the class of a display."""
 
 
 class Shown(NamedTuple):

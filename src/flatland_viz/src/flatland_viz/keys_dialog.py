@@ -88,5 +88,7 @@ class KeysDialog(QDialog):
         if label.sizeHint().width() + 2 * bar > available.width():
             label.setText(page([[table for column in columns for table in column]]))
             label.adjustSize()
-        wanted = label.sizeHint() + QSize(2 * bar, buttons.sizeHint().height() + 3 * bar)
+        margins = layout.contentsMargins()
+        width = 2 * bar + margins.left() + margins.right()
+        wanted = label.sizeHint() + QSize(width, buttons.sizeHint().height() + 3 * bar)
         self.resize(available.boundedTo(wanted))

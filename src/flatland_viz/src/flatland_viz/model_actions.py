@@ -51,6 +51,7 @@ class ModelActions(QObject):
         self._follow_model = follow
         self._followed = ""
         self._models: Dict[str, Model] = {}
+        self._namespaces: Dict[str, str] = {}  # of spawned models, as they were given
         self._undo = UndoStack()
         self.follow = self._action("&Follow", "follow", self._toggle_follow, "F")
         self.follow.setCheckable(True)
@@ -186,6 +187,7 @@ class ModelActions(QObject):
         )
 
     def _note_spawn(self, model: Spawned, verb: str = "Spawn") -> None:
+        self._namespaces[model.name] = model.namespace
         delete = partial(self._server.delete, model.name, _nothing)
         self._push(Undoable(f"{verb} {model.name}", delete, partial(self._restore, model)))
 
@@ -203,13 +205,14 @@ class ModelActions(QObject):
         x = pose[0] + by * math.sin(pose[2])
         y = pose[1] - by * math.cos(pose[2])
 
-        copy = Spawned(name, namespace, model.file, (x, y, pose[2]))
+        own = f"~{namespace}" if namespace else ""  # with a frame of odometry of its own
+        copy = Spawned(name, own, model.file, (x, y, pose[2]))
 
         def spawned() -> None:
             self._selection.select(name)
             self._note_spawn(copy, "Duplicate")
 
-        self._server.spawn(model.file, name, namespace, copy.pose, spawned)
+        self._server.spawn(model.file, name, own, copy.pose, spawned)
 
     def _delete(self) -> None:
         model, pose = self._model, self._pose
@@ -219,7 +222,8 @@ class ModelActions(QObject):
         def deleted() -> None:
             self.hint.emit(f"Deleted {model.name}.")
             if model.file and pose is not None:
-                former = Spawned(model.name, model.namespace, model.file, pose)
+                namespace = self._namespaces.get(model.name, model.namespace)
+                former = Spawned(model.name, namespace, model.file, pose)
                 again = partial(self._server.delete, model.name, _nothing)
                 self._push(Undoable(f"Delete {model.name}", partial(self._restore, former), again))
 

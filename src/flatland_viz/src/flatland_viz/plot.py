@@ -17,7 +17,7 @@ from flatland_viz.plotted_values import paths_of, split, value_of
 
 _PERIOD = 100  # ms of real time, between two pictures
 _MOST_POINTS = 20_000  # of a curve
-_COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+_COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#999999")
 """Okabe and Ito's, which people with colour blindness can tell apart."""
 
 
@@ -110,7 +110,10 @@ def main() -> int:
 
 
 def _show(pyqtgraph: Any, names: List[str], seconds: float) -> None:
-    pyqtgraph.setConfigOptions(background="w", foreground="k", antialias=True)
+    from flatland_viz.settings import DARK, Settings
+
+    background, foreground = ("#1e1f22", "#e1e4e8") if Settings().is_on(DARK) else ("w", "k")
+    pyqtgraph.setConfigOptions(background=background, foreground=foreground, antialias=True)
     application = pyqtgraph.mkQApp("plot")
     plot = pyqtgraph.PlotWidget(title=" ")
     plot.setWindowTitle(f"Plot: {', '.join(names)}")

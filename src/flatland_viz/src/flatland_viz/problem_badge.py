@@ -4,7 +4,7 @@ import re
 from typing import Iterable, List, Optional, Set
 
 from python_qt_binding.QtCore import Qt, Signal
-from python_qt_binding.QtGui import QColor
+from python_qt_binding.QtGui import QColor, QPalette
 from python_qt_binding.QtWidgets import (
     QApplication,
     QDialog,
@@ -28,7 +28,7 @@ _STYLE = (
 )
 _WARNING = _STYLE.format("#f0c419", "black")
 _ERROR = _STYLE.format("#c62828", "white")
-_RED = QColor("#d32f2f")  # readable on white as on dark grey
+_RED = {"light": QColor("#c62828"), "dark": QColor("#ff8075")}
 _COLUMNS = ("Time", "Count", "From", "Problem")
 
 
@@ -140,6 +140,7 @@ class ProblemList(QDialog):
     def show_problems(self, problems: List[Problem]) -> None:
         """Fills the list; the latest is selected."""
         self._tree.clear()
+        is_dark = self.palette().color(QPalette.Base).lightness() < 128
         for problem in problems:
             time = f"{problem.time:.1f} s" if problem.time else ""  # 0: no stamp
             row = (time, str(problem.times), problem.source, summary(problem.text))
@@ -149,7 +150,7 @@ class ProblemList(QDialog):
                 item.setTextAlignment(column, Qt.AlignRight | Qt.AlignTop)
             item.setTextAlignment(2, Qt.AlignTop)
             if problem.is_error:
-                item.setForeground(len(row) - 1, _RED)
+                item.setForeground(len(row) - 1, _RED["dark" if is_dark else "light"])
         if problems:
             self._tree.setCurrentItem(self._tree.topLevelItem(0))
 

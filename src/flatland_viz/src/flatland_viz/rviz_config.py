@@ -1,14 +1,13 @@
 """The rviz configuration of the window, made of `flatland.rviz`."""
 
 from copy import deepcopy
-from typing import Any, Dict, List
+from typing import Any, Dict
 
-from flatland_viz.displays import HANDLES, MARKERS, SCAN, TOPIC_PROPERTIES, Shown
 from flatland_viz.navigation_tools import NAVIGATION_TOOLS
 
 Config = Dict[str, Any]
 
-_PER_WORLD = (MARKERS, SCAN, HANDLES)
+_PER_WORLD = ("rviz/MarkerArray", "rviz/LaserScan", "rviz/InteractiveMarkers")
 _PANELS = (
     {"Class": "rviz/Displays", "Name": "Displays"},
     {"Class": "rviz/Tool Properties", "Name": "Tool Properties"},
@@ -28,8 +27,6 @@ MODELS = "flatland_viz/Models"
 """The display of the models, one for the window's whole life."""
 VIEW = "flatland_viz/MapView"
 """The view: rviz's TopDownOrtho with the mouse of maps."""
-
-_POINT_SIZE = "Size (Pixels)"
 
 
 def for_window(base: Config, frame_rate: int) -> Config:
@@ -54,27 +51,4 @@ def for_window(base: Config, frame_rate: int) -> Config:
         if tool["Class"] not in _LEFT_OUT
     ]
     manager["Views"]["Current"]["Class"] = VIEW
-    return config
-
-
-def for_display(base: Config, shown: Shown, pixel_ratio: float = 1.0) -> Config:
-    """The configuration of a display: that of the first of its class in `base`, if there is one.
-
-    Args:
-        base: the configuration to start from.
-        shown: the display.
-        pixel_ratio: device pixels per device-independent pixel (Qt).
-    """
-    displays: List[Config] = base["Visualization Manager"]["Displays"]
-    patterns = {display["Class"]: display for display in reversed(displays)}
-    config = {
-        **deepcopy(patterns.get(shown.kind, {})),
-        "Class": shown.kind,
-        "Name": shown.name,
-        "Enabled": True,
-        "Value": True,
-        TOPIC_PROPERTIES[shown.kind]: shown.topic,
-    }
-    if _POINT_SIZE in config:
-        config[_POINT_SIZE] *= pixel_ratio
     return config

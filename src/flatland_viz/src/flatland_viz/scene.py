@@ -13,7 +13,7 @@ from flatland_viz.bounds import EMPTY_WORLD, Bounds, bounds_in, extent, framed, 
 from flatland_viz.displays import SCAN, WALLS, Shown, changes
 from flatland_viz.drawing import limit_anti_aliasing, render_on_change
 from flatland_viz.navigation_tools import NavigationTool, show_tools
-from flatland_viz.rviz_config import INTERACT_TOOL, MODELS, Config, for_display, for_window
+from flatland_viz.rviz_config import INTERACT_TOOL, MODELS, Config, for_window
 from flatland_viz.window_ids import synchronised_window_ids
 
 BACKGROUNDS = {"light": ("#eeeeec", 0.3), "dark": ("#121316", 0.15)}
@@ -38,7 +38,6 @@ class Scene(QObject):
 
     def __init__(self, base: Config, frame_rate: int) -> None:
         super().__init__()
-        self._base = base
         self._displays: Dict[Shown, Any] = {}
         self._extra: Dict[str, Any] = {}
         self._scan_colors: Dict[str, str] = {}
@@ -119,8 +118,7 @@ class Scene(QObject):
             root.takeDisplay(display).deleteLater()
         for shown in new:
             display = self._manager.createDisplay(shown.kind, shown.name, False)
-            ratio = self.panel.devicePixelRatioF()
-            display.load(_rviz_config(for_display(self._base, shown, ratio)))
+            display.subProp("Topic").setValue(shown.topic)
             self._displays[shown] = display
             if shown.kind == WALLS:
                 self._follow_walls(display)
@@ -297,9 +295,3 @@ def _child(parent: Any, name: str) -> Any:
     """A property by name, or None; subProp would log an error for a missing one."""
     children = [parent.childAt(index) for index in range(parent.numChildren())]
     return next((child for child in children if child.getName() == name), None)
-
-
-def _rviz_config(values: Config) -> Any:
-    config = rviz.Config()
-    rviz.YamlConfigReader().readString(config, yaml.safe_dump(values))
-    return config

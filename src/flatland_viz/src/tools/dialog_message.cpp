@@ -7,7 +7,7 @@
 namespace flatland_viz {
 namespace {
 
-const QColor kErrorColor(211, 47, 47);  // readable on white as on dark grey
+const QColor kErrorColor(198, 40, 40), kErrorColorOnDark(255, 128, 117);
 constexpr int kMaxLines = 10;
 
 }  // namespace
@@ -26,7 +26,10 @@ void DialogMessage::ShowInfo(const QString& text) {
   Show(text, window()->palette().color(QPalette::WindowText));
 }
 
-void DialogMessage::ShowError(const QString& text) { Show(text, kErrorColor); }
+void DialogMessage::ShowError(const QString& text) {
+  const bool is_dark = window()->palette().color(QPalette::Window).lightness() < 128;
+  Show(text, is_dark ? kErrorColorOnDark : kErrorColor);
+}
 
 void DialogMessage::Show(const QString& text, const QColor& color) {
   QPalette colors = palette();

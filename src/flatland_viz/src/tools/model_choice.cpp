@@ -19,4 +19,8 @@ QString ModelChoice::Name() const {
   return own_name.isEmpty() && !proposed_name.isEmpty() ? proposed_name : name;
 }
 
+QString ModelChoice::Namespace() const {
+  return own_ns.isEmpty() && !proposed_ns.isEmpty() ? "~" + proposed_ns : own_ns;
+}
+
 }  // namespace flatland_viz

@@ -17,8 +17,9 @@ struct ModelChoice {
 
   /// The name of the model, such as "box" or "box_1".
   QString Name() const;
-  /// The namespace of the model; empty for none.
-  QString Namespace() const { return own_ns.isEmpty() ? proposed_ns : own_ns; }
+  /// The namespace of the model; empty for none. A proposed one is for a copy, which gets a frame
+  /// of odometry of its own by "~".
+  QString Namespace() const;
 };
 
 /// The name of a file without its folder and endings: "box" for "/models/box.model.yaml".

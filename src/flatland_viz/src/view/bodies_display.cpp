@@ -1,5 +1,119 @@
 #include "bodies_display.hpp"
 
+#include <OgreMaterialManager.h>
+#include <OgreSceneManager.h>
+#include <OgreSceneNode.h>
+#include <rviz/display_context.h>
+#include <rviz/frame_manager.h>
+#include <rviz/properties/ros_topic_property.h>
+#include <rviz/view_manager.h>
+
 #include <pluginlib/class_list_macros.hpp>
+#include <vector>
+
+#include "wall_lines.hpp"
+
+namespace flatland_viz {
+
+using visualization_msgs::Marker;
+
+struct BodiesDisplay::Body {
+  Body(const Marker& marker, Ogre::SceneNode* parent)
+      : marker(marker),
+        node(parent->createChildSceneNode()),
+        material(MakeLineMaterial(
+            Ogre::ColourValue(marker.color.r, marker.color.g, marker.color.b, marker.color.a))) {
+    std::vector<float> points;
+    for (const geometry_msgs::Point& point : marker.points) {
+      points.push_back(static_cast<float>(point.x));
+      points.push_back(static_cast<float>(point.y));
+    }
+    const bool are_lines = marker.type == Marker::LINE_LIST;
+    lines = std::make_unique<WallLines>(
+        points.data(), marker.points.size(), material,
+        are_lines ? Ogre::RenderOperation::OT_LINE_LIST : Ogre::RenderOperation::OT_TRIANGLE_LIST);
+    node->attachObject(lines.get());
+  }
+
+  ~Body() {
+    lines.reset();
+    node->getCreator()->destroySceneNode(node);
+    Ogre::MaterialManager::getSingleton().remove(material);
+  }
+
+  bool LooksLike(const Marker& other) const {
+    return marker.type == other.type && marker.color == other.color &&
+           marker.points == other.points;
+  }
+
+  void Place(const geometry_msgs::Pose& pose) {
+    const auto real = [](double number) { return static_cast<Ogre::Real>(number); };
+    const auto &at = pose.position, &height = marker.points.front();
+    const auto& turn = pose.orientation;
+    node->setPosition(real(at.x), real(at.y), real(at.z + height.z));
+    node->setOrientation(real(turn.w), real(turn.x), real(turn.y), real(turn.z));
+  }
+
+  Marker marker;  // as it was when the lines were made
+  Ogre::SceneNode* node;
+  Ogre::MaterialPtr material;
+  std::unique_ptr<WallLines> lines;
+};
+
+BodiesDisplay::BodiesDisplay()
+    : topic_(new rviz::RosTopicProperty(
+          "Topic", "", ros::message_traits::datatype<visualization_msgs::MarkerArray>(),
+          "A topic with the markers of all models.", this, SLOT(Resubscribe()), this)) {}
+
+BodiesDisplay::~BodiesDisplay() { subscriber_.shutdown(); }
+
+void BodiesDisplay::onEnable() { Resubscribe(); }
+
+void BodiesDisplay::onDisable() {
+  subscriber_.shutdown();
+  bodies_.clear();
+}
+
+void BodiesDisplay::Resubscribe() {
+  onDisable();
+  if (!isEnabled() || topic_->getTopicStd().empty()) return;
+  try {
+    subscriber_ = update_nh_.subscribe(topic_->getTopicStd(), 10, &BodiesDisplay::Show, this);
+    setStatus(rviz::StatusProperty::Ok, "Topic", "OK");
+  } catch (const ros::Exception& error) {
+    setStatus(rviz::StatusProperty::Error, "Topic", error.what());
+  }
+}
+
+void BodiesDisplay::Show(const visualization_msgs::MarkerArray::ConstPtr& message) {
+  decltype(bodies_) former;  // those of before a DELETEALL, which may come again
+  for (const Marker& marker : message->markers) {
+    if (marker.action == Marker::DELETEALL) former = std::exchange(bodies_, {});
+    if (marker.action != Marker::ADD || marker.points.size() < 2) continue;
+    const auto key = std::make_pair(marker.ns, marker.id);
+    std::unique_ptr<Body>& body = bodies_[key];
+    if (former.count(key) > 0) body = std::move(former[key]);
+    if (!body || !body->LooksLike(marker)) body = std::make_unique<Body>(marker, getSceneNode());
+    body->Place(marker.pose);
+    frame_ = marker.header.frame_id;
+  }
+}
+
+void BodiesDisplay::update(float, float) {
+  if (bodies_.empty()) return;
+  Ogre::Vector3 position = Ogre::Vector3::ZERO;
+  Ogre::Quaternion orientation = Ogre::Quaternion::IDENTITY;
+  const bool is_known =
+      context_->getFrameManager()->getTransform(frame_, ros::Time(), position, orientation);
+  getSceneNode()->setVisible(is_known);
+  getSceneNode()->setPosition(position);
+  getSceneNode()->setOrientation(orientation);
+  const rviz::RenderPanel& panel = *context_->getViewManager()->getRenderPanel();
+  for (const auto& [key, body] : bodies_) {
+    SetLineWidth(*body->material, LineWidth(panel, static_cast<float>(body->marker.scale.x)));
+  }
+}
+
+}  // namespace flatland_viz
 
 PLUGINLIB_EXPORT_CLASS(flatland_viz::BodiesDisplay, rviz::Display)

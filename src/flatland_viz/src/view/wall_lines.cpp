@@ -7,10 +7,28 @@
 #include <OgrePass.h>
 #include <OgreResourceGroupManager.h>
 #include <OgreTechnique.h>
+#include <OgreViewport.h>
+#include <rviz/render_panel.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace flatland_viz {
+namespace {
+
+constexpr float kWidest = 8.0f;  // px
+
+/// The scale of a view from above [px/m]; 0 for other views.
+float PixelsPerMetre(const rviz::RenderPanel& panel) {
+  const Ogre::Camera* camera = panel.getCamera();
+  if (!camera || camera->getProjectionType() != Ogre::PT_ORTHOGRAPHIC) return 0.0f;
+  // The view is 2 wide in clip coordinates, in which a metre across is this long.
+  const float metre = std::abs(camera->getProjectionMatrix()[0][0]);
+  return metre / 2.0f * static_cast<float>(panel.getViewport()->getActualWidth());
+}
+
+}  // namespace
 
 WallLines::WallLines(const float* ends, std::size_t count, const Ogre::MaterialPtr& material,
                      Ogre::RenderOperation::OperationType kind) {
@@ -65,6 +83,11 @@ Ogre::MaterialPtr MakeLineMaterial(const Ogre::ColourValue& color) {
 
 void SetLineColor(Ogre::Material& material, const Ogre::ColourValue& color) {
   material.setSelfIllumination(color);
+}
+
+float LineWidth(const rviz::RenderPanel& panel, float width) {
+  const float pixel = static_cast<float>(panel.devicePixelRatioF());
+  return std::min(std::max(width * PixelsPerMetre(panel), pixel), kWidest * pixel);
 }
 
 void SetLineWidth(Ogre::Material& material, float width) {

@@ -7,6 +7,10 @@
 
 #include <cstddef>
 
+namespace rviz {
+class RenderPanel;
+}  // namespace rviz
+
 namespace flatland_viz {
 
 /// Lines on the ground that are made once. A line takes 16 bytes; rviz's own take hundreds, and are
@@ -35,6 +39,9 @@ Ogre::MaterialPtr MakeLineMaterial(const Ogre::ColourValue& color);
 
 /// Sets the colour of all lines with such a material, but not how transparent they are.
 void SetLineColor(Ogre::Material& material, const Ogre::ColourValue& color);
+
+/// The width of lines in a view [px]: so many metres, but at least a pixel, and never huge.
+float LineWidth(const rviz::RenderPanel& panel, float width);
 
 /// Sets the width of all lines with a material [px].
 void SetLineWidth(Ogre::Material& material, float width);

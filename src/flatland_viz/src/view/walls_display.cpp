@@ -1,6 +1,5 @@
 #include "walls_display.hpp"
 
-#include <OgreCamera.h>
 #include <OgreMaterialManager.h>
 #include <OgreSceneManager.h>
 #include <OgreSceneNode.h>
@@ -29,7 +28,6 @@ constexpr std::size_t kFillPerBuffer = 12 * 4096;   // numbers: 12 of a trapezoi
 constexpr std::size_t kMostFilled = 4000000;        // numbers of a layer that is filled
 constexpr std::size_t kSegmentsPerUpdate = 500000;  // takes some 30 ms
 constexpr float kWidth = 0.05f;                     // m
-constexpr float kWidest = 8.0f;                     // px
 constexpr float kContrast = 0.4f;        // difference of brightness; walls with less are changed
 constexpr float kWantedContrast = 0.5f;  // difference after the change
 
@@ -62,15 +60,6 @@ Ogre::ColourValue ColorOn(const Ogre::ColourValue& background, const Ogre::Colou
   Ogre::ColourValue mixed = color * (1.0f - share) + other * share;
   mixed.a = color.a;
   return mixed;
-}
-
-/// The scale of a view from above [px/m]; 0 for other views.
-float PixelsPerMetre(const rviz::RenderPanel& panel) {
-  const Ogre::Camera* camera = panel.getCamera();
-  if (!camera || camera->getProjectionType() != Ogre::PT_ORTHOGRAPHIC) return 0.0f;
-  // The view is 2 wide in clip coordinates, in which a metre across is this long.
-  const float metre = std::abs(camera->getProjectionMatrix()[0][0]);
-  return metre / 2.0f * static_cast<float>(panel.getViewport()->getActualWidth());
 }
 
 }  // namespace
@@ -214,8 +203,7 @@ void WallsDisplay::Place() {
               QString("no transform from %1 to %2").arg(frame_, fixed_frame_));
   }
   const rviz::RenderPanel& panel = *context_->getViewManager()->getRenderPanel();
-  const float pixel = static_cast<float>(panel.devicePixelRatioF());
-  const float width = std::min(std::max(kWidth * PixelsPerMetre(panel), pixel), kWidest * pixel);
+  const float width = LineWidth(panel, kWidth);
   const Ogre::ColourValue background = panel.getViewport()->getBackgroundColour();
   getSceneNode()->setPosition(position);
   getSceneNode()->setOrientation(orientation);

@@ -11,8 +11,8 @@ def test_all_layers_share_a_display_and_each_scan_has_one():
     assert [(one.name, one.kind, one.topic) for one in shown] == [
         ("layers", "flatland_viz/Walls", "/flatland_server/debug/walls"),
         ("models", "flatland_viz/Bodies", "/flatland_server/debug/models"),
-        ("front/scan", "rviz/LaserScan", "/front/scan"),
-        ("scan", "rviz/LaserScan", "/scan"),
+        ("front/scan", "flatland_viz/Scan", "/front/scan"),
+        ("scan", "flatland_viz/Scan", "/scan"),
     ]
 
 
@@ -55,14 +55,17 @@ def test_a_new_robot_adds_its_scan_and_changes_no_other_display():
     gone, new = changes(before, after)
 
     assert gone == []
-    assert new == [Shown("robot2/scan", "rviz/LaserScan", "/robot2/scan")]
+    assert new == [Shown("robot2/scan", "flatland_viz/Scan", "/robot2/scan")]
 
 
 def test_the_scan_of_a_deleted_robot_is_removed():
     before = wanted(DEBUG, ["/robot2/scan", "/scan"])
     after = wanted(DEBUG, ["/scan"])
 
-    assert changes(before, after) == ([Shown("robot2/scan", "rviz/LaserScan", "/robot2/scan")], [])
+    assert changes(before, after) == (
+        [Shown("robot2/scan", "flatland_viz/Scan", "/robot2/scan")],
+        [],
+    )
 
 
 def test_equal_displays_stay():

@@ -7,8 +7,7 @@ from typing import Any, Dict, List
 import pytest
 import yaml
 
-from flatland_viz.displays import Shown
-from flatland_viz.rviz_config import for_display, for_window
+from flatland_viz.rviz_config import for_window
 
 RVIZ = Path(__file__).resolve().parents[2] / "rviz" / "flatland.rviz"
 
@@ -65,62 +64,9 @@ def test_the_window_places_itself(base):
     assert "Window Geometry" not in for_window(base, 30)
 
 
-@pytest.mark.parametrize(
-    ("kind", "topic_property"),
-    [
-        ("rviz/InteractiveMarkers", "Update Topic"),
-        ("rviz/LaserScan", "Topic"),
-    ],
-)
-def test_a_display_differs_from_the_pattern_in_name_and_topic(base, kind, topic_property):
-    pattern = next(display for display in displays(base) if display["Class"] == kind)
-
-    config = for_display(base, Shown("front", kind, "/front/topic"))
-
-    assert config == {**pattern, "Name": "front", topic_property: "/front/topic"}
-
-
-def test_the_first_of_several_patterns_counts(base):
-    pattern = next(display for display in displays(base) if display["Class"] == "rviz/LaserScan")
-    displays(base).append({**pattern, "Color": "0; 0; 0"})
-
-    assert for_display(base, Shown("scan", "rviz/LaserScan", "/scan")) == pattern
-
-
-def test_a_display_needs_no_pattern(base):
-    base["Visualization Manager"]["Displays"] = []
-
-    config = for_display(base, Shown("drag", "rviz/InteractiveMarkers", "/handles/update"))
-
-    assert config == {
-        "Class": "rviz/InteractiveMarkers",
-        "Name": "drag",
-        "Enabled": True,
-        "Value": True,
-        "Update Topic": "/handles/update",
-    }
-
-
-def test_a_display_is_shown_even_if_the_pattern_is_not(base):
-    for display in displays(base):
-        display.update(Enabled=False, Value=False)
-
-    config = for_display(base, Shown("scan", "rviz/LaserScan", "/scan"))
-
-    assert config["Enabled"] is config["Value"] is True
-
-
-def test_points_of_a_scan_are_as_large_on_a_screen_with_smaller_pixels(base):
-    scan = Shown("scan", "rviz/LaserScan", "/scan")
-
-    assert for_display(base, scan)["Size (Pixels)"] == 3
-    assert for_display(base, scan, pixel_ratio=2.0)["Size (Pixels)"] == 6
-
-
 def test_the_configuration_it_starts_from_is_not_changed(base):
     before = deepcopy(base)
 
     for_window(base, 30)["Visualization Manager"]["Tools"][0]["Class"] = "changed afterwards"
-    for_display(base, Shown("scan", "rviz/LaserScan", "/scan"), 2.0)["Name"] = "changed"
 
     assert base == before

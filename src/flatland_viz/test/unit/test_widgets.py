@@ -157,6 +157,32 @@ def actions(application):
     window.close()
 
 
+class Server:
+    """Spawns and deletes at once, and notes the namespaces of what it spawns."""
+
+    def __init__(self):
+        self.namespaces = []
+
+    def spawn(self, file, name, namespace, pose, then):
+        self.namespaces.append(namespace)
+        then()
+
+    def delete(self, name, then):
+        then()
+
+
+def test_a_copy_has_a_frame_of_odometry_of_its_own_also_when_it_comes_back(actions):
+    actions._server = Server()
+    actions.set_models({"r1": robot("r1")._replace(file="robot.yaml")})
+    actions.duplicate.trigger()
+    actions.set_models({name: robot(name)._replace(file="robot.yaml") for name in ("r1", "r2")})
+    actions._selection.select("r2")
+    actions.delete.trigger()
+    actions.undo.trigger()
+
+    assert actions._server.namespaces == ["~r2", "~r2"]
+
+
 def test_a_copied_pose_has_no_negative_zeros(actions):
     actions.copy_pose.trigger()
     assert QApplication.clipboard().text() == "[1.500, 0.000, 0.0000]"

@@ -11,6 +11,10 @@ from flatland2d.cli.arguments import (
     positive,
     size,
 )
+from flatland2d.simulation import Simulation
+from flatland2d.viewer.trail import Trail
+
+_TRAIL_PERIOD = 0.05  # s
 
 
 def add_parser(commands: Subparsers) -> None:
@@ -50,6 +54,9 @@ def add_parser(commands: Subparsers) -> None:
     parser.add_argument(
         "--sensors", action="store_true", help="draw what sensors measure, such as lidars"
     )
+    parser.add_argument(
+        "--trail", metavar="MODEL", help="draw its way in this time, and the way by its odometry"
+    )
     parser.add_argument("--names", action="store_true", help="write the names of the models")
     parser.set_defaults(execute=_execute)
 
@@ -57,8 +64,12 @@ def add_parser(commands: Subparsers) -> None:
 def _execute(options: argparse.Namespace) -> int:
     with open_simulation(options) as simulation:
         steps = round(options.time / simulation.step_size)
-        if steps:
-            simulation.step(steps)
+        trail = Trail(simulation)
+        if options.trail is None:
+            if steps:
+                simulation.step(steps)
+        else:
+            _follow(trail, simulation.models[options.trail].name, simulation, steps)
         simulation.save_picture(
             options.output,
             options.size,
@@ -66,5 +77,15 @@ def _execute(options: argparse.Namespace) -> int:
             width=options.width,
             sensors=options.sensors,
             names=options.names,
+            trails=trail.lines,
         )
     return 0
+
+
+def _follow(trail: Trail, model: str, simulation: Simulation, steps: int) -> None:
+    """Makes steps, and notes the way of a model."""
+    period = max(1, round(_TRAIL_PERIOD / simulation.step_size))
+    trail.note(model, reads_odometry=True)
+    for done in range(0, steps, period):
+        simulation.step(min(period, steps - done))
+        trail.note(model, reads_odometry=True)

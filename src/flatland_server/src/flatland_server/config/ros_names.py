@@ -44,13 +44,18 @@ def topic_name_problem(name: str) -> Optional[str]:
 
 def namespace_problem(namespace: str) -> Optional[str]:
     """Why a namespace cannot be used, or None if it can. The empty namespace is valid."""
-    bare = namespace.strip("/")
+    bare = bare_namespace(namespace)
     if not bare or (_TOPIC_NAME.fullmatch(bare) and not bare[0].isdigit() and bare[0] != "_"):
         return _length_problem(namespace)
     return (
         'expected a namespace of letters, digits and "_", beginning with a letter, '
         f'found "{shortened(namespace)}"'
     )
+
+
+def bare_namespace(namespace: str) -> str:
+    """A model's namespace without a "/" at its ends, and without the "~" of frames of its own."""
+    return namespace[namespace.startswith("~") :].strip("/")
 
 
 def namespaced_frame(namespace: str, frame_id: str) -> str:

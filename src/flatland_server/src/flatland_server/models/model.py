@@ -8,7 +8,7 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Seq
 from flatland_server import _core
 from flatland_server.arguments import whole_number
 from flatland_server.config.plain_nodes import plain_copy
-from flatland_server.config.ros_names import namespaced_frame
+from flatland_server.config.ros_names import bare_namespace, namespaced_frame
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import ModelError, listed, shortened, suggestion
@@ -137,7 +137,8 @@ class Model(Entity):
 
     Args:
         name: unique in the world.
-        namespace: of its topics and frames; may be empty.
+        namespace: of its topics and frames; may be empty. A "~" before it makes the frame of its
+            odometry one of its own, too, even if its file names it without "~".
         config: the contents of its file.
         pose: of its origin in the world.
         physics: the physical world that it is added to.
@@ -147,7 +148,8 @@ class Model(Entity):
             message for a failure then.
 
     Attributes:
-        namespace: without a "/" at its ends.
+        namespace: without a "/" at its ends, and without "~".
+        has_own_frames: whether its namespace was given with "~".
         config: the contents of its file, with the footprints as they are now.
         bodies: by name, the base first; none after the model was deleted.
         joints: none after the model was deleted.
@@ -170,7 +172,8 @@ class Model(Entity):
         change: Callable[[Callable[[], None], str], None],
     ) -> None:
         self._name = name
-        self.namespace = namespace.strip("/")
+        self.namespace = bare_namespace(namespace)
+        self.has_own_frames = namespace.startswith("~")
         self.config = config
         self.physics = physics
         self.registry = registry

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
+from flatland_server.config.ros_names import bare_namespace
 from flatland_server.geometry import Pose
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import ModelEntry
@@ -118,7 +119,7 @@ class ClientEdits:
         for name in [name for name in self._deleted if name in models]:
             del self._deleted[name]
         for name, entry in list(self._added.items()):
-            if name not in models or models[name].namespace != entry.namespace:
+            if name not in models or models[name].namespace != bare_namespace(entry.namespace):
                 del self._added[name]  # gone, or replaced by the file's
         for name, pose in list(self._poses.items()):
             if name not in models or nearest(pose, models[name].pose) != pose:

@@ -136,7 +136,7 @@ class WorldContents:
         self.models[name] = model
         with self.deferred.changing(name):
             try:
-                self.plugins.start(entry.model.plugins, ModelPlugin, name, entry.namespace, model)
+                self.plugins.start(entry.model.plugins, ModelPlugin, name, model.namespace, model)
             except BaseException:
                 in_order = list(self.models.values())
                 del self.models[name]

@@ -122,7 +122,7 @@ def test_only_the_numbers_that_differ_are_written(server):
 def test_deleted_and_spawned_models_leave_comments_and_other_entries_as_they_are(server):
     server.delete("b")
     server.delete("a")
-    server.spawn("robot", 1.0, 2.0, ns="r1")
+    server.spawn("robot", 1.0, 2.0, ns="~r1")
     server.spawn("no", 1.0, 3.0)
     server.move("no", 1.0, 4.0)
 
@@ -131,7 +131,7 @@ def test_deleted_and_spawned_models_leave_comments_and_other_entries_as_they_are
     expected = WORLD.replace(TO_A, "").replace("      pose: [ $eval 1 + 1,  2.50, 0 ]\n", "")
     expected = expected.replace(TO_B, "").replace(
         "# The end.",
-        "    - {name: robot, namespace: r1, model: box.yaml, pose: [1.0, 2.0, 0.0]}\n"
+        "    - {name: robot, namespace: ~r1, model: box.yaml, pose: [1.0, 2.0, 0.0]}\n"
         '    - {name: "no", model: box.yaml, pose: [1.0, 4.0, 0.0]}\n'
         "# The end.",
     )
