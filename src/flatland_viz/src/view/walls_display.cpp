@@ -27,7 +27,8 @@ constexpr std::size_t kSegmentsPerBuffer = 8192;    // Neighbours in the list ar
 constexpr std::size_t kFillPerBuffer = 12 * 4096;   // numbers: 12 of a trapezoid
 constexpr std::size_t kMostFilled = 4000000;        // numbers of a layer that is filled
 constexpr std::size_t kSegmentsPerUpdate = 500000;  // takes some 30 ms
-constexpr float kWidth = 0.05f;                     // m
+constexpr float kWidth = 0.05f;                     // m: of lines; those of filled walls are thin
+constexpr float kLongLine = 1.5f;                   // times the shortest line
 constexpr float kContrast = 0.4f;        // difference of brightness; walls with less are changed
 constexpr float kWantedContrast = 0.5f;  // difference after the change
 
@@ -42,6 +43,22 @@ QString BoundsOf(const flatland_msgs::Walls& walls) {
   }
   if (!(low[0] <= high[0])) return QString();
   return QString("%1 %2 %3 %4").arg(low[0]).arg(low[1]).arg(high[0]).arg(high[1]);
+}
+
+/// Those lines of filled walls that are longer than a step of a pixel, of which maps have
+/// thousands: thin walls are seen by them from afar.
+std::vector<float> LongLinesOf(const std::vector<float>& segments) {
+  std::vector<float> lengths, lines;
+  for (std::size_t i = 0; i + kNumbers <= segments.size(); i += kNumbers) {
+    const float* ends = &segments[i];
+    lengths.push_back(std::hypot(ends[2] - ends[0], ends[3] - ends[1]));
+  }
+  const auto step = std::min_element(lengths.begin(), lengths.end());
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    const float* ends = &segments[kNumbers * i];
+    if (lengths[i] > kLongLine * *step) lines.insert(lines.end(), ends, ends + kNumbers);
+  }
+  return lines;
 }
 
 /// The perceived brightness of a colour: 0 to 1 (luma, ITU-R BT.601).
@@ -85,6 +102,7 @@ struct WallsDisplay::Layer {
   Ogre::SceneNode* node;
   Ogre::MaterialPtr material;
   std::vector<std::unique_ptr<WallLines>> lines;
+  float width = kWidth;  // m
 };
 
 WallsDisplay::WallsDisplay()
@@ -129,10 +147,12 @@ void WallsDisplay::Clear() {
 
 /// On rviz's second thread.
 void WallsDisplay::Receive(const flatland_msgs::Walls::ConstPtr& message) {
-  Filled filled{message, {}};
+  Filled filled{message, {}, {}};
   for (const flatland_msgs::LayerWalls& layer : message->layers) {
     const bool is_filled = layer.encloses && layer.segments.size() <= kMostFilled;
     filled.fills.push_back(is_filled ? FillOf(layer.segments) : std::vector<float>());
+    const bool has_fill = !filled.fills.back().empty();
+    filled.lines.push_back(has_fill ? LongLinesOf(layer.segments) : std::vector<float>());
   }
   std::lock_guard<std::mutex> lock(mutex_);
   received_ = std::move(filled);
@@ -159,6 +179,7 @@ void WallsDisplay::BeginShowing() {
     layers_.push_back(std::make_unique<Layer>(walls.color, getSceneNode()));
     Layer& layer = *layers_.back();
     const std::vector<float>& fill = showing_->fills[layers_.size() - 1];
+    if (!fill.empty()) layer.width = 0.0f;
     for (std::size_t i = 0; i < fill.size(); i += kFillPerBuffer) {
       const std::size_t count = std::min(fill.size() - i, kFillPerBuffer) / 2;
       layer.Add(&fill[i], count, Ogre::RenderOperation::OT_TRIANGLE_LIST);
@@ -171,16 +192,18 @@ void WallsDisplay::BeginShowing() {
 void WallsDisplay::ShowMore() {
   std::size_t budget = kSegmentsPerUpdate;
   for (; next_layer_ < showing_->walls->layers.size(); ++next_layer_, next_number_ = 0) {
-    const flatland_msgs::LayerWalls& walls = showing_->walls->layers[next_layer_];
+    const std::vector<float>& chosen = showing_->lines[next_layer_];
+    const std::vector<float>& lines =
+        chosen.empty() ? showing_->walls->layers[next_layer_].segments : chosen;
     Layer& layer = *layers_[next_layer_];
-    const std::size_t numbers = walls.segments.size() / kNumbers * kNumbers;
+    const std::size_t numbers = lines.size() / kNumbers * kNumbers;
     while (next_number_ < numbers) {
       if (budget == 0) {
         progress_->setValue(static_cast<int>(100 * next_number_ / numbers));
         return;
       }
       const std::size_t count = std::min(numbers - next_number_, kNumbers * kSegmentsPerBuffer);
-      layer.Add(&walls.segments[next_number_], count / 2, Ogre::RenderOperation::OT_LINE_LIST);
+      layer.Add(&lines[next_number_], count / 2, Ogre::RenderOperation::OT_LINE_LIST);
       next_number_ += count;
       budget -= std::min(budget, count / kNumbers);
     }
@@ -203,13 +226,12 @@ void WallsDisplay::Place() {
               QString("no transform from %1 to %2").arg(frame_, fixed_frame_));
   }
   const rviz::RenderPanel& panel = *context_->getViewManager()->getRenderPanel();
-  const float width = LineWidth(panel, kWidth);
   const Ogre::ColourValue background = panel.getViewport()->getBackgroundColour();
   getSceneNode()->setPosition(position);
   getSceneNode()->setOrientation(orientation);
   for (const auto& layer : layers_) {
     layer->node->setVisible(is_known);
-    SetLineWidth(*layer->material, width);
+    SetLineWidth(*layer->material, LineWidth(panel, layer->width));
     SetLineColor(*layer->material, ColorOn(background, layer->color));
   }
 }

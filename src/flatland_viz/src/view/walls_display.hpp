@@ -58,15 +58,16 @@ class WallsDisplay : public rviz::Display {
   rviz::Property* bounds_;    // "min_x min_y max_x max_y" of the walls [m]; empty without walls
   ros::Subscriber subscriber_;
   std::mutex mutex_;
-  /// A message, and for each of its layers the corners of triangles within its outlines.
+  /// A message, and for each of its layers the corners of triangles within its outlines, and the
+  /// ends of those lines that are drawn; none: all.
   struct Filled {
     flatland_msgs::Walls::ConstPtr walls;
-    std::vector<std::vector<float>> fills;
+    std::vector<std::vector<float>> fills, lines;
   };
   std::optional<Filled> received_;  // guarded by mutex_
   std::optional<Filled> showing_;   // until all of it is in layers_
   std::size_t next_layer_ = 0;      // of showing_
-  std::size_t next_number_ = 0;     // of that layer's segments
+  std::size_t next_number_ = 0;     // of that layer's lines
   QString frame_;                   // of the walls
   std::vector<std::unique_ptr<Layer>> layers_;
 };
