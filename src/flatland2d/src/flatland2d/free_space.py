@@ -1,7 +1,7 @@
 """Free space: the floor that a robot can reach without touching a wall."""
 
 import math
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, Dict, Iterable, Optional, Sequence, Tuple
 
 import numpy as np
@@ -145,11 +145,16 @@ class FreeSpace:
             )
         if count and not len(self._squares):
             raise UsageError("no place is free and can be reached")
-        rows, columns = np.nonzero(self._reachable)
+        rows, columns = self._places
         chosen = rng.integers(len(rows), size=count)
         squares = np.column_stack([columns[chosen], rows[chosen]])
         points = self._origin + (squares + rng.random((count, 2))) * self.resolution
         return np.column_stack([points, rng.uniform(-math.pi, math.pi, count)])
+
+    @cached_property
+    def _places(self) -> Tuple[Any, ...]:
+        """The rows and the columns of the reachable squares."""
+        return np.nonzero(self._reachable)
 
 
 class DistanceGrid:

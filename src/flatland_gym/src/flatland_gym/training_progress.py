@@ -1,4 +1,4 @@
-"""How far a training is: for programs, on a terminal, and when it ends early."""
+"""The progress of a training, the bar that shows it, and its end by Ctrl-C."""
 
 import math
 from typing import NamedTuple
