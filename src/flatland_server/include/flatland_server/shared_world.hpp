@@ -9,8 +9,9 @@
 /// byte by byte: Box2D's bodies that may move, the boxes of their fixtures, and joints; the heads
 /// of the lists of contacts, which stay where they are; drives, tweens and crowds. The objects stay
 /// at their places, so all pointers between them stay right. Box2D's tree of bounding boxes has a
-/// node for each wall, of which few change: those that have are exchanged (shared_tree.hpp). So a
-/// state makes, bit for bit, the steps that a World of its own makes.
+/// node for each wall, of which few change: those that have are exchanged (shared_tree.hpp); all, if
+/// many of them are of bodies that move. So a state makes, bit for bit, the steps that a World of
+/// its own makes.
 
 #include <cstddef>
 #include <memory>
@@ -36,7 +37,7 @@ class SharedWorld {
     friend class SharedWorld;
     State();
     State& operator=(const State&);
-    std::vector<std::byte> bytes_;   // of the ranges, one after the other
+    std::vector<std::byte> bytes_;   // of the ranges, one after the other, and the boxes
     std::vector<int32_t> moves_;     // proxies that may have new contacts
     std::vector<TreeChange> nodes_;  // of the tree, that differ from the beginning
   };
@@ -78,8 +79,10 @@ class SharedWorld {
   };
   template <class T>
   void AddRange(T& object) {
-    ranges_.push_back({&object, sizeof(T)});
+    AddRange(&object, sizeof(T));
   }
+  /// Adds it to the last range, if that ends where it begins.
+  void AddRange(void* address, size_t size);
   template <class Mechanism>
   void AddRanges(SlotMap<Mounted<Mechanism>>& mechanisms) {
     static_assert(std::is_trivially_copyable_v<Mechanism>);
@@ -96,8 +99,9 @@ class SharedWorld {
 
   std::unique_ptr<World> world_;
   std::vector<Range> ranges_;
-  size_t size_ = 0;  // of all ranges
-  std::unique_ptr<SharedTree> tree_;
+  std::vector<b2AABB*> boxes_;        // of fixtures that may move
+  size_t size_ = 0;                   // of all ranges and boxes
+  std::unique_ptr<SharedTree> tree_;  // null: its nodes are a range
   std::unique_ptr<State> beginning_;
 };
 

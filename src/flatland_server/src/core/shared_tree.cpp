@@ -53,14 +53,6 @@ bool AreEqual(const b2TreeNode& a, const b2TreeNode& b) {
 
 bool AreEqual(const b2AABB& a, const b2AABB& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
-/// The number of nodes up to the last one in use.
-size_t UsedCount(b2World& world) {
-  auto count = static_cast<size_t>(box2d::NodeCapacity(world));
-  const b2TreeNode* const nodes = box2d::Nodes(world);
-  while (count > 0 && nodes[count - 1].height < 0) --count;
-  return count;
-}
-
 }  // namespace
 
 thread_local SharedTree* SharedTree::entered_ = nullptr;
@@ -95,6 +87,13 @@ void SharedTree::Observe(b2Fixture& fixture) {
   }
 }
 
+size_t SharedTree::CountNodes(b2World& world) {
+  auto count = static_cast<size_t>(box2d::NodeCapacity(world));
+  const b2TreeNode* const nodes = box2d::Nodes(world);
+  while (count > 0 && nodes[count - 1].height < 0) --count;
+  return count;
+}
+
 SharedTree::SharedTree(b2World& world, const std::vector<b2Fixture*>& moving,
                        std::vector<TreeChange>& changes)
     : world_(world), nodes_(box2d::Nodes(world)), insertions_(box2d::InsertionCount(world)) {
@@ -104,7 +103,7 @@ SharedTree::SharedTree(b2World& world, const std::vector<b2Fixture*>& moving,
     const int32 count = box2d::FixtureInternals::ProxyCount(*fixture);
     for (int32 i = 0; i < count; ++i) moving_leaves_.push_back(proxies[i].proxyId);
   }
-  const size_t count = UsedCount(world);
+  const size_t count = CountNodes(world);
   is_changed_.resize(count);
   former_.reserve(count);
   for (size_t i = 0; i < count; ++i) {

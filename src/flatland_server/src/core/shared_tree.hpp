@@ -25,6 +25,9 @@ struct TreeChange {
 
 class SharedTree {
  public:
+  /// Number of nodes of a tree, used or not, up to the last one that a state of the world may use.
+  static size_t CountNodes(b2World& world);
+
   /// Takes the tree of a world to which nothing is added any more, and of which only these fixtures
   /// are ever moved. `changes` becomes what the tree differs by from the beginning already: marks
   /// of leaves that were moved.
@@ -41,8 +44,6 @@ class SharedTree {
   void Enter(const std::vector<TreeChange>& changes);
   /// Replaces `changes` by what the tree differs by, and puts back that of the beginning.
   void Leave(std::vector<TreeChange>& changes);
-  /// Number of nodes, used or not, up to the last one that a state may use.
-  size_t size() const { return former_.size(); }
   /// Number of times that all nodes were compared, since it was not clear what was moved; for
   /// tests.
   int comparisons() const { return comparisons_; }
@@ -67,6 +68,7 @@ class SharedTree {
   /// Compares a node, its ancestors, and what is at most `levels` below these.
   void CompareAncestors(int32 index, int levels);
   void TakeFound();
+  size_t size() const { return former_.size(); }
 
   static thread_local SharedTree* entered_;
 

@@ -14,6 +14,15 @@
 #include "world_state.hpp"
 
 namespace flatland {
+namespace {
+
+/// Up to so many nodes of the tree for each fixture that moves, it takes longer to find those that
+/// have changed than to copy all.
+constexpr size_t kFewNodes = 8;
+
+std::byte* EndOf(void* begin, size_t size) { return static_cast<std::byte*>(begin) + size; }
+
+}  // namespace
 
 SharedWorld::State::State() = default;
 SharedWorld::State& SharedWorld::State::operator=(const State&) = default;
@@ -24,16 +33,18 @@ SharedWorld::SharedWorld(std::unique_ptr<World> world, const std::vector<World::
   b2World& box2d_world = *world_->world_;
   for (const World::Body& body : moved) world_->bodies_.LetMove(body);
   SkipWalls();
-  CollectRanges();
   std::vector<b2Fixture*> moving;
   world_->bodies_.ForEach([&](World::Body, const BodyRecord& record) {
     if (!record.may_move) return;
     for (const BodyRecord::FixtureRecord& each : record.fixtures) moving.push_back(each.fixture);
   });
   beginning_.reset(new State());
+  if (SharedTree::CountNodes(box2d_world) > kFewNodes * moving.size()) {
+    tree_ = std::make_unique<SharedTree>(box2d_world, moving, beginning_->nodes_);
+    tree_->Enter(beginning_->nodes_);
+  }
+  CollectRanges();
   beginning_->bytes_.resize(size_);
-  tree_ = std::make_unique<SharedTree>(box2d_world, moving, beginning_->nodes_);
-  tree_->Enter(beginning_->nodes_);
   Leave(*beginning_);
 }
 
@@ -59,6 +70,14 @@ void SharedWorld::SkipWalls() {
   box2d::MoveCount(box2d_world) = static_cast<int32>(kept - begin);
 }
 
+void SharedWorld::AddRange(void* address, size_t size) {
+  if (!ranges_.empty() && EndOf(ranges_.back().address, ranges_.back().size) == address) {
+    ranges_.back().size += size;
+  } else {
+    ranges_.push_back({address, size});
+  }
+}
+
 void SharedWorld::CollectRanges() {
   b2World& box2d_world = *world_->world_;
   b2ContactManager& contacts = box2d::Contacts(box2d_world);
@@ -68,9 +87,12 @@ void SharedWorld::CollectRanges() {
   JoinBodies();
   AddRange(contacts.m_contactList);
   AddRange(contacts.m_contactCount);
-  AddRange(box2d::NewContacts(box2d_world));
   AddRange(box2d::InverseStep(box2d_world));
+  AddRange(box2d::NewContacts(box2d_world));
   AddRange(box2d::Tree(box2d_world));
+  if (!tree_) {
+    AddRange(box2d::Nodes(box2d_world), SharedTree::CountNodes(box2d_world) * sizeof(b2TreeNode));
+  }
   world_->bodies_.ForEach([this](World::Body, BodyRecord& record) {
     if (!record.may_move) {
       AddRange(box2d::ContactList(*record.body));
@@ -79,7 +101,7 @@ void SharedWorld::CollectRanges() {
     for (const BodyRecord::FixtureRecord& each : record.fixtures) {
       b2FixtureProxy* proxies = box2d::FixtureInternals::Proxies(*each.fixture);
       const int32 count = box2d::FixtureInternals::ProxyCount(*each.fixture);
-      for (int32 i = 0; i < count; ++i) AddRange(proxies[i].aabb);
+      for (int32 i = 0; i < count; ++i) boxes_.push_back(&proxies[i].aabb);
     }
   });
   world_->joints_.ForEach([this](World::Joint, b2Joint* joint) {
@@ -96,6 +118,7 @@ void SharedWorld::CollectRanges() {
       AddRange(part);
     });
   });
+  size_ = boxes_.size() * sizeof(b2AABB);
   for (const Range& range : ranges_) size_ += range.size;
 }
 
@@ -109,9 +132,9 @@ void SharedWorld::JoinBodies() {
   });
   std::vector<Range> joined;
   for (const Range& range : ranges_) {
-    const ptrdiff_t gap = joined.empty()
-                              ? kLeastObject
-                              : begin_of(range) - (begin_of(joined.back()) + joined.back().size);
+    const ptrdiff_t gap =
+        joined.empty() ? kLeastObject
+                       : begin_of(range) - EndOf(joined.back().address, joined.back().size);
     if (gap < kLeastObject) {
       joined.back().size += gap + range.size;
     } else {
@@ -132,7 +155,9 @@ void SharedWorld::Prefetch(const State& state) {
   PrefetchElements(state.nodes_);
 }
 
-void SharedWorld::PrefetchUsed(const State& state) const { tree_->Prefetch(state.nodes_); }
+void SharedWorld::PrefetchUsed(const State& state) const {
+  if (tree_) tree_->Prefetch(state.nodes_);
+}
 
 void SharedWorld::WriteRanges(const State& state) {
   const std::byte* from = state.bytes_.data();
@@ -140,12 +165,16 @@ void SharedWorld::WriteRanges(const State& state) {
     std::memcpy(range.address, from, range.size);
     from += range.size;
   }
+  for (b2AABB* const box : boxes_) {
+    std::memcpy(box, from, sizeof *box);
+    from += sizeof *box;
+  }
 }
 
 World& SharedWorld::Enter(const State& state) {
   b2World& box2d_world = *world_->world_;
   WriteRanges(state);
-  tree_->Enter(state.nodes_);
+  if (tree_) tree_->Enter(state.nodes_);
   std::copy(state.moves_.begin(), state.moves_.end(), box2d::Moves(box2d_world));
   box2d::MoveCount(box2d_world) = static_cast<int32>(state.moves_.size());
   world_->bodies_.ChangePoses();
@@ -158,6 +187,10 @@ void SharedWorld::ReadRanges(State& state) const {
     std::memcpy(to, range.address, range.size);
     to += range.size;
   }
+  for (const b2AABB* const box : boxes_) {
+    std::memcpy(to, box, sizeof *box);
+    to += sizeof *box;
+  }
 }
 
 void SharedWorld::Leave(State& state) {
@@ -165,7 +198,7 @@ void SharedWorld::Leave(State& state) {
   ReadRanges(state);
   const int32* moves = box2d::Moves(box2d_world);
   state.moves_.assign(moves, moves + box2d::MoveCount(box2d_world));
-  tree_->Leave(state.nodes_);
+  if (tree_) tree_->Leave(state.nodes_);
 }
 
 void SharedWorld::Replace(const State& from, State& state) {
@@ -210,7 +243,7 @@ void SharedWorld::Load(const WorldState& saved, State& state) {
 
 void SharedWorld::RequireLoadable(const WorldState& saved) const {
   saved.RequireSameStill(*world_);
-  Require(saved.tree.size() <= tree_->size(),
+  Require(saved.tree.size() <= SharedTree::CountNodes(*world_->world_),
           "the state is of another world: models were deleted and others added");
 }
 
