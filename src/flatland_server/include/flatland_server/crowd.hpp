@@ -187,7 +187,8 @@ class Crowd {
   /// The forces of all that is around each person.
   void SumForces(const Layers& layers);
   Vec2 GroupForce(size_t person) const;
-  Vec2 ForcedVelocity(size_t person, Vec2 way, Vec2 noise, double dt);
+  /// `left` is that of SocialForce::Relax.
+  Vec2 ForcedVelocity(size_t person, Vec2 way, Vec2 noise, double left);
   Vec2 OrcaVelocity(size_t person, Vec2 way, Vec2 noise, const Layers& layers, double dt);
   void SortByX();
   /// Finds the nearest people whom a person sees, of those within the distance of ORCA.
@@ -211,6 +212,8 @@ class Crowd {
   std::vector<Motion> motions_, motions_of_others_;
   std::vector<Rotation> headings_of_others_;
   std::vector<Forces> forces_;
+  Walkers walkers_;
+  std::vector<uint32_t> near_walkers_;
   std::vector<Obstacle> found_, walls_;
   std::vector<Vec2> new_velocities_;
   std::vector<char> gives_way_;  // of each person, to robots

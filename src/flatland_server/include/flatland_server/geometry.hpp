@@ -68,10 +68,12 @@ inline Pose Inverse(const Pose& pose) {
   const double cos = std::cos(pose.yaw), sin = std::sin(pose.yaw);
   return {-cos * pose.x - sin * pose.y, sin * pose.x - cos * pose.y, -pose.yaw};
 }
-/// The pose with its yaw within [-pi, pi].
-inline Pose Wrapped(const Pose& pose) {
-  return {pose.x, pose.y, std::remainder(pose.yaw, 2.0 * M_PI)};
+/// The angle within [-pi, pi]. Most are there already, and std::remainder is slow.
+inline double WrappedAngle(double angle) {
+  return std::abs(angle) <= M_PI ? angle : std::remainder(angle, 2.0 * M_PI);
 }
+/// The pose with its yaw within [-pi, pi].
+inline Pose Wrapped(const Pose& pose) { return {pose.x, pose.y, WrappedAngle(pose.yaw)}; }
 inline bool operator==(const Pose& a, const Pose& b) {
   return a.x == b.x && a.y == b.y && a.yaw == b.yaw;
 }

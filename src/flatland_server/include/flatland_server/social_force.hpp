@@ -19,6 +19,8 @@
 /// distances are gaps. A force counts as none beyond 8 of its ranges.
 
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include "flatland_server/geometry.hpp"
 
@@ -28,6 +30,17 @@ namespace flatland {
 struct Obstacle {
   double gap = 0.0;
   Vec2 away;
+};
+
+/// People, with an array for each number, so that several are computed at a time.
+struct Walkers {
+  void Resize(size_t count);
+  void Set(size_t index, Vec2 point, Vec2 velocity, double radius);
+
+  size_t count = 0;
+  std::vector<double> x, y;    ///< [m]; behind the last one, some that are not used; as below
+  std::vector<double> vx, vy;  ///< [m/s]
+  std::vector<double> radius;  ///< [m]
 };
 
 /// The constants; by default those of the papers, for 80 kg.
@@ -54,9 +67,14 @@ struct SocialForce {
   /// where the preference epsilon b is added to theta beforehand. `velocity` is the person's own
   /// less that of the other [m/s].
   Vec2 Evade(const Obstacle& other, Vec2 velocity) const;
+  /// Finds those after a person among whom and that person there may be forces, in their order: for
+  /// the others behind it, Repel and Evade are zero.
+  void FindNear(const Walkers& people, size_t index, std::vector<uint32_t>& near) const;
+  /// The part of a deviation from the desired velocity that is left after `dt` [s].
+  double LeftAfter(double dt) const;
   /// The velocity [m/s] after `dt` [s] of the driving force and a constant acceleration: the exact
-  /// solution of dv/dt = (desired - v) / tau + acceleration.
-  Vec2 Relax(Vec2 velocity, Vec2 desired, Vec2 acceleration, double dt) const;
+  /// solution of dv/dt = (desired - v) / tau + acceleration. `left` is LeftAfter(dt).
+  Vec2 Relax(Vec2 velocity, Vec2 desired, Vec2 acceleration, double left) const;
   /// The standard deviation [m/s] of what is added to velocities after `dt` [s] of Relax, such that
   /// they scatter by `noise`: with it, an Ornstein-Uhlenbeck process, whatever `dt` is.
   double ScatterAfter(double dt) const;

@@ -141,7 +141,7 @@ void Crowd::Update(Bodies& bodies, const Layers& layers, double dt) {
     SumForces(layers);
   }
   new_velocities_.clear();
-  const double scatter = settings_.force.ScatterAfter(dt);
+  const double scatter = settings_.force.ScatterAfter(dt), left = settings_.force.LeftAfter(dt);
   for (size_t i = 0; i < people_.size(); ++i) {
     const double x = clock_.numbers.Draw(), y = clock_.numbers.Draw();  // whether needed or not
     if (progress_[i].agent.is_followed) {
@@ -150,7 +150,7 @@ void Crowd::Update(Bodies& bodies, const Layers& layers, double dt) {
     }
     const Vec2 noise{scatter * x, scatter * y}, way = WayOf(i, layers);
     new_velocities_.push_back(settings_.orca ? OrcaVelocity(i, way, noise, layers, dt)
-                                             : ForcedVelocity(i, way, noise, dt));
+                                             : ForcedVelocity(i, way, noise, left));
   }
   for (size_t i = 0; i < people_.size(); ++i) Walk(i, new_velocities_[i], bodies, dt);
 }
@@ -208,7 +208,7 @@ void Crowd::Walk(size_t index, Vec2 velocity, Bodies& bodies, double dt) {
   const Pose pose = Wrapped(PoseOf(body));
   Twist motion{velocity.x, velocity.y, 0.0};
   if (LengthOf(velocity) > kLeastSpeed) {
-    const double turn = std::remainder(std::atan2(velocity.y, velocity.x) - pose.yaw, 2.0 * M_PI);
+    const double turn = WrappedAngle(std::atan2(velocity.y, velocity.x) - pose.yaw);
     motion.omega = std::clamp(turn / dt, -kTurnRate, kTurnRate);
   }
   SetOriginVelocity(body, motion);

@@ -158,11 +158,16 @@ void Crowd::Meet(double dt) {
 void Crowd::SumForces(const Layers& layers) {
   const SocialForce& force = settings_.force;
   forces_.assign(people_.size(), {});
+  walkers_.Resize(people_.size());
+  for (size_t i = 0; i < people_.size(); ++i) {
+    walkers_.Set(i, motions_[i].point, motions_[i].velocity, people_[i].radius);
+  }
   for (size_t i = 0; i < people_.size(); ++i) {
     const Motion& own = motions_[i];
     const double radius = people_[i].radius;
     Forces& sum = forces_[i];
-    for (size_t j = i + 1; j < people_.size(); ++j) {
+    force.FindNear(walkers_, i, near_walkers_);
+    for (const uint32_t j : near_walkers_) {
       const Vec2 away = own.point - motions_[j].point;
       const double distance = LengthOf(away);
       const Obstacle other{distance - radius - people_[j].radius,
@@ -224,7 +229,7 @@ Vec2 Crowd::GroupForce(size_t index) const {
   return force;
 }
 
-Vec2 Crowd::ForcedVelocity(size_t index, Vec2 way, Vec2 noise, double dt) {
+Vec2 Crowd::ForcedVelocity(size_t index, Vec2 way, Vec2 noise, double left) {
   const SocialForce& force = settings_.force;
   const double desired = people_[index].speed;
   const double will = LengthOf(way);  // a person that stands neither evades nor sways
@@ -232,7 +237,7 @@ Vec2 Crowd::ForcedVelocity(size_t index, Vec2 way, Vec2 noise, double dt) {
   if (people_[index].group >= 0) evasion = evasion + GroupForce(index);
   const Vec2 acceleration = forces_[index].repulsion + will * evasion;
   const Vec2 velocity =
-      force.Relax(motions_[index].velocity, desired * way, acceleration, dt) + will * noise;
+      force.Relax(motions_[index].velocity, desired * way, acceleration, left) + will * noise;
   const double speed = LengthOf(velocity), most = kMostSpeed * desired;
   return speed > most ? (most / speed) * velocity : velocity;
 }

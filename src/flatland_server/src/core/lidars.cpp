@@ -17,7 +17,7 @@ void RequireRange(double range) {
 Pose Lidars::PoseOf(const Mounted<Lidar>& mounted) const {
   const b2Body& body = *bodies_.Get(mounted.body).body;
   const Pose& mount = mounted.mechanism.settings.pose;
-  const double yaw = std::remainder(double{body.GetAngle()}, 2.0 * M_PI);
+  const double yaw = WrappedAngle(body.GetAngle());
   const Vec2 position = FromBox2D(body.GetPosition()) + Rotation(yaw).Apply({mount.x, mount.y});
   return {position.x, position.y, yaw + mount.yaw};
 }

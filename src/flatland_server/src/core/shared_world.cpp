@@ -132,9 +132,9 @@ void SharedWorld::JoinBodies() {
   });
   std::vector<Range> joined;
   for (const Range& range : ranges_) {
-    const ptrdiff_t gap =
-        joined.empty() ? kLeastObject
-                       : begin_of(range) - EndOf(joined.back().address, joined.back().size);
+    const ptrdiff_t gap = joined.empty()
+                              ? kLeastObject
+                              : begin_of(range) - EndOf(joined.back().address, joined.back().size);
     if (gap < kLeastObject) {
       joined.back().size += gap + range.size;
     } else {

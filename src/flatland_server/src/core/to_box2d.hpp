@@ -29,11 +29,16 @@ void Place(b2Body& body, const Pose& pose);
 void WakeBodiesNear(const b2Body& body);
 
 /// Sets the velocity of a body's origin, in the world's frame. Box2D stores that of the centre of
-/// mass.
+/// mass, which most bodies have at their origin: the sum below is then the velocity itself, up to
+/// the sign of a zero.
 inline void SetOriginVelocity(b2Body& body, const Twist& velocity) {
-  const Vec2 arm = Rotation(body.GetAngle()).Apply(FromBox2D(body.GetLocalCenter()));
-  body.SetLinearVelocity(
-      ToBox2D({velocity.vx - velocity.omega * arm.y, velocity.vy + velocity.omega * arm.x}));
+  Vec2 linear{velocity.vx, velocity.vy};
+  const b2Vec2 center = body.GetLocalCenter();
+  if (center != b2Vec2_zero || linear.x == 0.0 || linear.y == 0.0) {
+    const Vec2 arm = Rotation(body.GetAngle()).Apply(FromBox2D(center));
+    linear = linear + velocity.omega * Vec2{-arm.y, arm.x};
+  }
+  body.SetLinearVelocity(ToBox2D(linear));
   body.SetAngularVelocity(static_cast<float>(velocity.omega));
 }
 

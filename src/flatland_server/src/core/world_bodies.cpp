@@ -64,9 +64,9 @@ Pose World::GetPose(Body body) const { return PoseOf(Find(body)); }
 Pose World::GetPoseIn(Body reference, Body body) const {
   const Pose from = GetPose(reference);
   const Pose to = GetPose(body);
-  const double yaw = std::remainder(from.yaw, 2.0 * M_PI);
+  const double yaw = WrappedAngle(from.yaw);
   const Vec2 position = Rotation(yaw).ApplyInverse(Vec2{to.x, to.y} - Vec2{from.x, from.y});
-  return {position.x, position.y, std::remainder(to.yaw, 2.0 * M_PI) - yaw};
+  return {position.x, position.y, WrappedAngle(to.yaw) - yaw};
 }
 
 void World::SetPose(Body body, const Pose& pose) {

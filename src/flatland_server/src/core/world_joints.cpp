@@ -71,7 +71,7 @@ double World::GetJointAngle(Joint joint) const {
   if (found->GetType() == e_weldJoint) {
     angle -= static_cast<b2WeldJoint*>(found)->GetReferenceAngle();
   }
-  return std::remainder(angle, 2.0 * M_PI);
+  return WrappedAngle(angle);
 }
 
 }  // namespace flatland
