@@ -2,7 +2,7 @@
 
 import math
 from functools import cached_property, lru_cache
-from typing import Any, Dict, Iterable, Optional, Sequence, Tuple
+from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -85,22 +85,27 @@ class FreeSpace:
         """
         return self._squares.draw(rng)
 
-    def clear_point(
+    def clear_poses(
         self,
         rng: np.random.Generator,
         discs: Circles,
         radius: float,
+        distance: float,
+        count: int,
         tries: int,
-    ) -> Optional[Tuple[float, float]]:
-        """The first of several random points at which a disc overlaps no other one; None if none.
+    ) -> List[Optional[Pose]]:
+        """Random poses of like discs, clear of others and of each other; None where none was found.
 
         Args:
             rng: the random numbers.
             discs: the others: x, y and radius [m].
-            radius: of the disc [m].
-            tries: the largest number of points to draw.
+            radius: of the discs [m].
+            distance: of their middles from the edges of others [m].
+            count: how many there are.
+            tries: the largest number of points to draw for each.
         """
-        return self._squares.draw_clear(rng, discs, radius, tries)
+        found = self._squares.draw_clear(rng, discs, radius, distance, count, tries)
+        return [None if pose is None else Pose(*pose) for pose in found]
 
     def ends(
         self,

@@ -7,6 +7,8 @@ robot fits through; one that finds no place takes no part in the episode.
 
 import math
 from dataclasses import dataclass, replace
+from itertools import groupby
+from operator import attrgetter
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
@@ -230,31 +232,21 @@ class EpisodeSampler:
         """Poses of the scattered models and of the obstacles."""
         low, high = settings.obstacle_counts
         count = len(world.scattered) + (int(rng.integers(low, high + 1)) if high else 0)
-        places: Dict[str, Pose] = {}
-        for number, disc in enumerate((*world.scattered, *world.obstacles)):
-            place = (
-                self._place(world, disc, settings.margin, taken, rng) if number < count else None
-            )
-            places[disc.name] = place or parking_place(number)
-            if place is not None:
-                taken.append((place.x, place.y, disc.radius))
+        discs = (*world.scattered, *world.obstacles)
+        places = {disc.name: parking_place(number) for number, disc in enumerate(discs)}
+        for radius, group in groupby(discs[:count], attrgetter("radius")):
+            names = [disc.name for disc in group]
+            passage = radius + 2 * (world.radius + settings.margin)
+            space = world.space.free_space(passage)
+            if space.area == 0.0:  # too narrow to leave a passage: models may be beside a wall
+                space = world.space.free_space(radius + settings.margin)
+            if space.area == 0.0:
+                continue
+            found = space.clear_poses(rng, taken, radius, passage, len(names), _TRIES_OF_MODELS)
+            clear = {name: pose for name, pose in zip(names, found) if pose is not None}
+            places.update(clear)
+            taken.extend((pose.x, pose.y, radius) for pose in clear.values())
         return places
-
-    def _place(
-        self,
-        world: NavigationWorld,
-        disc: Disc,
-        margin: float,
-        taken: Circles,
-        rng: np.random.Generator,
-    ) -> Optional[Pose]:
-        """A free place for a model; None if none was found."""
-        passage = disc.radius + 2 * (world.radius + margin)
-        space = world.space.free_space(passage)
-        if space.area == 0.0:  # too narrow to leave a passage: the model may be beside a wall
-            space = world.space.free_space(disc.radius + margin)
-        place = space.clear_point(rng, taken, passage, _TRIES_OF_MODELS) if space.area else None
-        return None if place is None else Pose(*place, _heading(rng))
 
 
 def options_of(options: Any) -> Dict[str, Any]:
@@ -284,11 +276,6 @@ def _require_free(
         raise UsageError(f"{expected}, which walls separate from the robot")
     if not _is_clear((x, y), world.radius, standing):
         raise UsageError(f"{expected}, where another model stands")
-
-
-def _heading(rng: np.random.Generator) -> float:
-    """A random angle [rad]."""
-    return math.tau * float(rng.random()) - math.pi
 
 
 def _is_clear(place: Sequence[float], radius: float, discs: Circles) -> bool:

@@ -65,9 +65,12 @@ class FloorSquares {
   bool Contains(Vec2 point) const;
   /// A point in one of the squares, of which there must be one.
   Vec2 Draw(const NumberSource& numbers) const;
-  /// The first of some drawn points at which a disc overlaps no other one; none after all `tries`.
-  std::optional<Vec2> DrawClear(const NumberSource& numbers, const std::vector<Disc>& others,
-                                double radius, int tries) const;
+  /// Poses of `count` discs of a radius [m], drawn one after the other: the first of some points at
+  /// which it is farther than `distance` [m] from the edges of others, and of those before it; none
+  /// after all `tries`.
+  std::vector<std::optional<Pose>> DrawClear(const NumberSource& numbers, std::vector<Disc> others,
+                                             double radius, double distance, int count,
+                                             int tries) const;
   /// The first of some drawn ends that are in these squares, as far apart as they should be, and
   /// clear of others; none after all `tries`. Given ones are not checked.
   std::optional<Ends> DrawEnds(const NumberSource& numbers, const EndsSettings& settings,

@@ -100,12 +100,17 @@ void BindFloorSquares(py::module_& m) {
       .def(
           "draw_clear",
           [](const FloorSquares& self, const py::object& rng, const Discs& discs, double radius,
-             int tries) {
+             double distance, int count, int tries) {
             RequireSquare(self);
-            const auto point = self.DrawClear(SourceOf(rng), ToDiscs(discs), radius, tries);
-            return point ? std::optional(ToTuple(*point)) : std::nullopt;
+            std::vector<std::optional<Triple>> poses;
+            for (const auto& pose : self.DrawClear(SourceOf(rng), ToDiscs(discs), radius, distance,
+                                                   count, tries)) {
+              poses.push_back(pose ? std::optional(ToTuple(*pose)) : std::nullopt);
+            }
+            return poses;
           },
-          py::arg("rng"), py::arg("discs"), py::arg("radius"), py::arg("tries"))
+          py::arg("rng"), py::arg("discs"), py::arg("radius"), py::arg("distance"),
+          py::arg("count"), py::arg("tries"))
       .def(
           "draw_ends",
           [](const FloorSquares& self, const py::object& rng,

@@ -27,6 +27,8 @@ bool IsClear(Vec2 middle, double radius, const std::vector<Disc>& others) {
   });
 }
 
+double DrawHeading(const NumberSource& numbers) { return kFullTurn * numbers.Draw() - M_PI; }
+
 /// Those of `count` squares that are within `reach` of two coordinates, or between them.
 struct Span {
   Span(double a, double b, double reach, double side, int64_t count)
@@ -108,14 +110,20 @@ Vec2 FloorSquares::Draw(const NumberSource& numbers) const {
           corner_.y + (static_cast<double>(square.row) + along_y) * side_};
 }
 
-std::optional<Vec2> FloorSquares::DrawClear(const NumberSource& numbers,
-                                            const std::vector<Disc>& others, double radius,
-                                            int tries) const {
-  for (int i = 0; i < tries; ++i) {
-    const Vec2 point = Draw(numbers);
-    if (IsClear(point, radius, others)) return point;
+std::vector<std::optional<Pose>> FloorSquares::DrawClear(const NumberSource& numbers,
+                                                         std::vector<Disc> others, double radius,
+                                                         double distance, int count,
+                                                         int tries) const {
+  std::vector<std::optional<Pose>> poses(count);
+  for (std::optional<Pose>& pose : poses) {
+    for (int i = 0; i < tries && !pose; ++i) {
+      const Vec2 point = Draw(numbers);
+      if (!IsClear(point, distance, others)) continue;
+      pose = Pose{point.x, point.y, DrawHeading(numbers)};
+      others.push_back({point, radius});
+    }
   }
-  return std::nullopt;
+  return poses;
 }
 
 std::optional<Ends> FloorSquares::DrawEnds(const NumberSource& numbers,
@@ -131,7 +139,7 @@ std::optional<Ends> FloorSquares::DrawEnds(const NumberSource& numbers,
   };
   for (int i = 0; i < tries; ++i) {
     Ends ends;
-    ends.yaw = kFullTurn * numbers.Draw() - M_PI;
+    ends.yaw = DrawHeading(numbers);
     ends.start = settings.start  ? *settings.start
                  : settings.goal ? around(*settings.goal)
                                  : Draw(numbers);

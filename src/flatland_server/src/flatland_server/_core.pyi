@@ -1257,15 +1257,26 @@ class FloorSquares(metaclass=_Metaclass):
             ValueError: there is no square.
         """
     def draw_clear(
-        self, rng: np.random.Generator, discs: Sequence[_Triple], radius: float, tries: int
-    ) -> _Pair | None:
-        """The first of several points of `draw` at which a disc overlaps no other one.
+        self,
+        rng: np.random.Generator,
+        discs: Sequence[_Triple],
+        radius: float,
+        distance: float,
+        count: int,
+        tries: int,
+    ) -> list[_Triple | None]:
+        """Poses of discs, one after the other: x, y and yaw [m, m, rad].
+
+        Each is at the first of several points of `draw` that is clear of the others and of those
+        before it, and has a random heading.
 
         Args:
             rng: the random numbers.
             discs: the others: x, y and radius [m].
-            radius: of the disc [m].
-            tries: number of points after which it ends with None.
+            radius: of the discs [m].
+            distance: of their middles from the edges of others [m].
+            count: how many are drawn.
+            tries: number of points after which a disc has no place: None.
 
         Raises:
             ValueError: there is no square.

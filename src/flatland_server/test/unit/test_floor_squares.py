@@ -45,14 +45,21 @@ def discs(count):
     return [(*np.random.default_rng(count).uniform(0, 50, 2).tolist(), 6.0) for _ in range(count)]
 
 
-def test_clear_points_are_those_of_many_draws_that_overlap_nothing():
+def test_clear_poses_are_those_of_many_draws_that_overlap_nothing():
     squares, ours, draws = floor(5000)[0], np.random.default_rng(1), np.random.default_rng(1)
+    found = set()
     for tries in (1, 2, 3, 50):
-        for _ in range(20):
-            points = (squares.draw(draws) for _ in range(tries))
-            expected = next((point for point in points if is_clear(point, discs(14), 3.0)), None)
-            assert squares.draw_clear(ours, discs(14), 3.0, tries) == expected
+        for _ in range(10):
+            others, expected = discs(10), []
+            for _ in range(4):
+                points = (squares.draw(draws) for _ in range(tries))
+                point = next((each for each in points if is_clear(each, others, 3.0)), None)
+                expected.append(point and (*point, math.tau * draws.random() - math.pi))
+                others += [(*point, 5.0)] if point else []
+            assert squares.draw_clear(ours, discs(10), 5.0, 3.0, 4, tries) == expected
+            found.update(pose is not None for pose in expected)
     assert ours.random() == draws.random()
+    assert found == {False, True}
 
 
 def ends_in_python(squares, rng, start, goal, distances, radius, at_starts, at_goals, tries):

@@ -56,10 +56,10 @@ def poses_of(
     if array.dtype.kind not in "fiu":
         raise UsageError(f"expected {name} of float64, found {array.dtype}")
     poses = np.ascontiguousarray(array, dtype=np.float64)
-    wrong = ~(np.abs(poses) <= MAX_COORDINATE).all(axis=-1)  # <= is False for NaN
-    if mask is not None:
-        wrong &= mask.reshape(mask.shape + (1,) * (len(rows) - mask.ndim))
-    if wrong.any():
+    is_right = np.abs(poses if mask is None else poses[mask]) <= MAX_COORDINATE  # False for NaN
+    if not is_right.all():
+        wrong = np.zeros(rows, bool)
+        wrong[... if mask is None else mask] = ~is_right.all(axis=-1)
         place = tuple(np.argwhere(wrong)[0].tolist())
         number = f"number {place[1]} of " if len(place) > 1 else ""
         raise UsageError(
