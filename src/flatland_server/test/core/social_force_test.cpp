@@ -6,6 +6,9 @@
 
 #include <cmath>
 #include <complex>
+#include <cstdint>
+#include <random>
+#include <vector>
 
 namespace flatland {
 namespace {
@@ -22,7 +25,7 @@ TEST(SocialForceTest, RelaxesWithinTheRelaxationTime) {
   for (const double dt : {0.005, 0.05, 0.3}) {
     Vec2 velocity;
     for (int update = 1; update < 20; ++update) {
-      velocity = SocialForce().Relax(velocity, {0.8, -1.0}, {}, dt);
+      velocity = SocialForce().Relax(velocity, {0.8, -1.0}, {}, SocialForce().LeftAfter(dt));
       const double reached = 1.0 - std::exp(-update * dt / kTau);
       EXPECT_NEAR(velocity.x, 0.8 * reached, 1e-12);
       EXPECT_NEAR(velocity.y, -1.0 * reached, 1e-12);
@@ -31,7 +34,8 @@ TEST(SocialForceTest, RelaxesWithinTheRelaxationTime) {
 }
 
 TEST(SocialForceTest, SettlesWhereBothForcesAreEqual) {
-  const Vec2 settled = SocialForce().Relax({1.0, 2.0}, {1.0, 0.0}, {-1.5, 0.4}, 20.0);
+  const double left = SocialForce().LeftAfter(20.0);
+  const Vec2 settled = SocialForce().Relax({1.0, 2.0}, {1.0, 0.0}, {-1.5, 0.4}, left);
   EXPECT_NEAR(settled.x, 1.0 - 1.5 * kTau, 1e-9);
   EXPECT_NEAR(settled.y, 0.4 * kTau, 1e-9);
 }
@@ -96,13 +100,54 @@ TEST(SocialForceTest, IsOppositeForTheOtherPerson) {
   }
 }
 
+TEST(SocialForceTest, FindsAllBetweenWhomThereAreForces) {
+  std::mt19937 engine(1);
+  const auto draw = [&](double most) {
+    return std::uniform_real_distribution<double>(-most, most)(engine);
+  };
+  for (const double range : {0.08, 1e-12, 0.5}) {
+    SocialForce force;
+    force.range = range;
+    Walkers people;
+    people.Resize(203);
+    for (size_t i = 0; i < people.count; ++i) {
+      people.Set(i, {draw(15.0), draw(15.0)}, {draw(1.0), draw(1.0)}, 0.3 + draw(0.2));
+    }
+    people.Set(100, {people.x[50], people.y[50]}, {}, 0.2);
+    size_t count = 0, in_vain = 0;
+    std::vector<uint32_t> near;
+    for (size_t i = 0; i < people.count; ++i) {
+      force.FindNear(people, i, near);
+      auto next = near.begin();
+      for (size_t j = i + 1; j < people.count; ++j) {
+        const Vec2 away{people.x[i] - people.x[j], people.y[i] - people.y[j]};
+        const double distance = LengthOf(away);
+        const Obstacle other{distance - people.radius[i] - people.radius[j],
+                             distance > 0.0 ? (1.0 / distance) * away : away};
+        const Vec2 velocity{people.vx[i] - people.vx[j], people.vy[i] - people.vy[j]};
+        const Vec2 push = force.Repel(other), evasion = force.Evade(other, velocity);
+        const bool is_forced =
+            push.x != 0.0 || push.y != 0.0 || evasion.x != 0.0 || evasion.y != 0.0;
+        const bool is_near = next != near.end() && *next == j;
+        ASSERT_TRUE(is_near || !is_forced) << i << " " << j;
+        if (is_near) ++next;
+        count += is_forced;
+        in_vain += is_near && !is_forced;
+      }
+      ASSERT_EQ(next, near.end());
+    }
+    EXPECT_GT(count, 1000u);
+    EXPECT_LT(in_vain, 10u);
+  }
+}
+
 TEST(SocialForceTest, ScattersAsAStationaryProcess) {
   SocialForce force;
   force.noise = 0.1;
   for (const double dt : {0.01, 0.2}) {
     double variance = 0.0;
     for (int i = 0; i < 2000; ++i) {
-      const double kept = force.Relax({1.0, 0.0}, {}, {}, dt).x;
+      const double kept = force.Relax({1.0, 0.0}, {}, {}, force.LeftAfter(dt)).x;
       variance = kept * kept * variance + std::pow(force.ScatterAfter(dt), 2);
     }
     EXPECT_NEAR(variance, 0.01, 1e-9);

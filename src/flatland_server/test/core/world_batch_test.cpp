@@ -117,6 +117,11 @@ TEST_F(WorldBatchTest, AnEnvironmentIsAWorldWithWallsThatWereAddedLater) {
   ExpectEnvironmentsToBeWorlds();
 }
 
+TEST_F(WorldBatchTest, AnEnvironmentIsAWorldWithASmallTree) {
+  AddBodies();
+  ExpectEnvironmentsToBeWorlds();
+}
+
 TEST_F(WorldBatchTest, EnvironmentsThatAreNotResetGoOn) {
   AddWalls();
   AddBodies();
