@@ -141,15 +141,15 @@ class Crowd {
 
   /// What changes of a person.
   struct Progress {
-    uint32_t goal = 0;     // index of the present goal
-    double stride = 0.25;  // completed fraction of a double step: at first, both feet are abreast
-    double lifted = 0.0;   // height of the lifted foot, 0 to 1; negative for the right one
-    Agent agent;
+    uint32_t goal = 0;       // index of the present goal
     bool has_met = false;    // a robot is near
     bool gives_way = true;   // to the robots of this encounter
-    double seen_for = 0.0;   // time for which it has seen robots in this encounter [s]
     bool has_drawn = false;  // a goal
-    Vec2 drawn_goal;         // [m]
+    double stride = 0.25;    // completed fraction of a double step: at first, both feet are abreast
+    double lifted = 0.0;     // height of the lifted foot, 0 to 1; negative for the right one
+    Agent agent;
+    double seen_for = 0.0;  // time for which it has seen robots in this encounter [s]
+    Vec2 drawn_goal;        // [m]
 
     template <class Archive>
     void Serialize(Archive& archive) {

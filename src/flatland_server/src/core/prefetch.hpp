@@ -8,11 +8,15 @@
 
 namespace flatland {
 
+/// Into the second-level cache: the first one can wait for few lines at a time.
 inline void PrefetchBytes(const void* begin, size_t size) {
   constexpr size_t kCacheLine = 64;
+  constexpr int kToRead = 0, kSecondLevel = 2;
   const auto* const bytes = static_cast<const std::byte*>(begin);
-  for (size_t i = 0; i < size; i += kCacheLine) __builtin_prefetch(bytes + i);
-  if (size > 0) __builtin_prefetch(bytes + size - 1);
+  for (size_t i = 0; i < size; i += kCacheLine) {
+    __builtin_prefetch(bytes + i, kToRead, kSecondLevel);
+  }
+  if (size > 0) __builtin_prefetch(bytes + size - 1, kToRead, kSecondLevel);
 }
 
 template <class T>
