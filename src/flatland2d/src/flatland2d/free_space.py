@@ -13,8 +13,8 @@ from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point, Pose
 
 _MAX_SQUARES = 4_000_000
-Circles = Sequence[Tuple[float, float, float]]
-"""x, y and radius [m] of discs."""
+Circle = Tuple[float, float, float]
+"""x, y and radius [m] of a disc."""
 _HALF_DIAGONAL = math.sqrt(0.5)  # of a square, in units of its side
 
 
@@ -88,7 +88,7 @@ class FreeSpace:
     def clear_point(
         self,
         rng: np.random.Generator,
-        discs: Circles,
+        discs: Sequence[Circle],
         radius: float,
         tries: int,
     ) -> Optional[Tuple[float, float]]:
@@ -108,7 +108,7 @@ class FreeSpace:
         given: Tuple[Optional[Point], Optional[Point]],
         distances: Tuple[float, float],
         radius: float,
-        discs: Tuple[Circles, Circles],
+        discs: Tuple[Sequence[Circle], Sequence[Circle]],
         tries: int,
     ) -> Optional[Tuple[Pose, Point]]:
         """A random start and a goal of a disc, where it overlaps no others; None if none was found.
