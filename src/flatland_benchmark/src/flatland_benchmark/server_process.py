@@ -142,6 +142,7 @@ class ServerProcess:
             "ROS_IP": "127.0.0.1",
             "ROS_HOME": self._folder.name,
             "ROS_LOG_DIR": self._folder.name,
+            "XDG_CONFIG_HOME": self._folder.name,  # the window's settings
         }
         self._port = port
 
