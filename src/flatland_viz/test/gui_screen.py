@@ -109,10 +109,7 @@ class Screen:
 
     def _run_xdotool(self, *arguments):
         return subprocess.run(
-            ["xdotool", *map(str, arguments)],
-            env=self.environment,
-            capture_output=True,
-            text=True,
+            ["xdotool", *map(str, arguments)], env=self.environment, capture_output=True, text=True
         )
 
     def windows(self, title):

@@ -86,11 +86,7 @@ class FreeSpace:
         return self._squares.draw(rng)
 
     def clear_point(
-        self,
-        rng: np.random.Generator,
-        discs: Sequence[Circle],
-        radius: float,
-        tries: int,
+        self, rng: np.random.Generator, discs: Sequence[Circle], radius: float, tries: int
     ) -> Optional[Tuple[float, float]]:
         """The first of several random points at which a disc overlaps no other one; None if none.
 

@@ -62,11 +62,7 @@ def test_with_ros_an_added_type_is_one_that_rospy_publishes():
             'my_plugins/A:2: expected a type, found "flaot64"',
         ),
         ("my_plugins/A", "float64", "my_plugins/A:1: expected a type and a name"),
-        (
-            "my_plugins/A",
-            "float64 x\n\nint8 x",
-            'A:3: expected each name once, found "x"',
-        ),
+        ("my_plugins/A", "float64 x\n\nint8 x", 'A:3: expected each name once, found "x"'),
         ("my_plugins/A", "int8 X=y", "my_plugins/A:1: expected the value of a int8 constant"),
         ("my_plugins/A", "A[] a", "my_plugins/A contains itself"),
         ("my_plugins/A", "geometry_msgs/Pont a", '(did you mean "geometry_msgs/Point"?)'),
@@ -127,8 +123,4 @@ def test_types_of_a_python_package_are_in_its_folder_msg(tmp_path, monkeypatch):
 def test_constants_of_a_definition_are_read_in_their_types():
     definition = Definition.parse("a/B", DEFINITION)
 
-    assert [constant.value for constant in definition.constants] == [
-        0.5,
-        '"kg" # all of it',
-        True,
-    ]
+    assert [constant.value for constant in definition.constants] == [0.5, '"kg" # all of it', True]
