@@ -209,6 +209,12 @@ class ServerProcess:
         self.end(process)
         return process.output
 
+    def start_screen(self) -> str:
+        """Starts an X server, and returns the name of its display."""
+        options = ("-screen", "0", "1400x900x24", "-nolisten", "tcp", "-noreset")
+        screen = self.start("Xvfb", ["Xvfb", "-displayfd", "1", *options])
+        return f":{self.wait_until(lambda: screen.output.strip(), 'a screen')}"
+
     def end(self, process: Process) -> None:
         """Ends one program."""
         process.end()
