@@ -15,6 +15,7 @@ from flatland_server.geometry import Point, Pose
 _MAX_SQUARES = 4_000_000
 Circle = Tuple[float, float, float]
 """x, y and radius [m] of a disc."""
+Circles = Sequence[Circle]
 _HALF_DIAGONAL = math.sqrt(0.5)  # of a square, in units of its side
 
 
@@ -86,7 +87,11 @@ class FreeSpace:
         return self._squares.draw(rng)
 
     def clear_point(
-        self, rng: np.random.Generator, discs: Sequence[Circle], radius: float, tries: int
+        self,
+        rng: np.random.Generator,
+        discs: Circles,
+        radius: float,
+        tries: int,
     ) -> Optional[Tuple[float, float]]:
         """The first of several random points at which a disc overlaps no other one; None if none.
 
@@ -104,7 +109,7 @@ class FreeSpace:
         given: Tuple[Optional[Point], Optional[Point]],
         distances: Tuple[float, float],
         radius: float,
-        discs: Tuple[Sequence[Circle], Sequence[Circle]],
+        discs: Tuple[Circles, Circles],
         tries: int,
     ) -> Optional[Tuple[Pose, Point]]:
         """A random start and a goal of a disc, where it overlaps no others; None if none was found.

@@ -12,7 +12,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tup
 import numpy as np
 
 from flatland2d import Point, Pose, UsageError
-from flatland2d.free_space import Circle
+from flatland2d.free_space import Circle, Circles
 from flatland_gym.navigation_world import Disc, NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings
 from flatland_server import Segments, from_segments
@@ -190,8 +190,8 @@ class EpisodeSampler:
         world: NavigationWorld,
         choice: Choice,
         given: "_Ends",
-        starts: Sequence[Circle],
-        goals: Sequence[Circle],
+        starts: Circles,
+        goals: Circles,
         rng: np.random.Generator,
     ) -> Tuple[Pose, Point]:
         """A start and a goal that are clear of the other robots' starts and goals."""
@@ -267,7 +267,7 @@ def options_of(options: Any) -> Dict[str, Any]:
 
 
 def _require_free(
-    world: NavigationWorld, name: str, place: Sequence[float], standing: Sequence[Circle]
+    world: NavigationWorld, name: str, place: Sequence[float], standing: Circles
 ) -> None:
     """Raises a UsageError if the robot cannot stand at a place, or cannot get there."""
     x, y = place
