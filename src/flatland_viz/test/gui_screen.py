@@ -128,6 +128,12 @@ class Screen:
         self.focus(window)
         return window
 
+    def wait_for_dialog(self, title):
+        """Waits for a dialog, which must fit on the screen."""
+        dialog = self.wait_for_window(title)
+        assert self.has(dialog), (title, self.frame(dialog))
+        return dialog
+
     def wait_until_closed(self, title):
         wait_until(lambda: not self.windows(title), f"the window {title!r} to close")
 
