@@ -1,7 +1,5 @@
 """Message types that a user adds, by `messages.add` or in a package's folder msg."""
 
-from io import BytesIO
-
 import genpy
 import pytest
 
@@ -9,7 +7,7 @@ from flatland_server import MessageError, messages
 from flatland_server.messages import times
 from flatland_server.messages.definition import Definition
 from flatland_server.messages.message_types import MessageTypes
-from flatland_server.testing.observation import serialized
+from flatland_server.messages.wire_form import serialized
 
 DEFINITION = """
 # A robot's load.
@@ -46,10 +44,8 @@ def test_with_ros_an_added_type_is_one_that_rospy_publishes():
 
     assert issubclass(cls, genpy.Message)
     assert isinstance(message.header, messages.get("std_msgs/Header"))
-    buffer = BytesIO()
     genpy.message.check_type("header", "std_msgs/Header", message.header)
-    message.serialize(buffer)
-    assert cls().deserialize(buffer.getvalue()) == message
+    assert cls().deserialize(serialized(message)) == message
     assert str(message).endswith("mass: 3.0")  # as ROS's
 
 
