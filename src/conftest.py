@@ -9,7 +9,6 @@ import gc
 import itertools
 import os
 import re
-import shutil
 import signal
 import subprocess
 import time
@@ -19,6 +18,7 @@ from pathlib import Path
 import pytest
 from ros_processes import free_port
 from running_server import Master, Server
+from x_server import x_server
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -204,31 +204,5 @@ def start_server(master, tmp_path):
 @pytest.fixture(scope="session")
 def display():
     """Name of an X server of our own, without a window manager; all tests share its screen."""
-    if not shutil.which("Xvfb"):
-        pytest.skip("Xvfb is not installed")
-    read, write = os.pipe()
-    server = subprocess.Popen(
-        [
-            "Xvfb",
-            "-displayfd",
-            str(write),
-            "-screen",
-            "0",
-            "1400x900x24",
-            "-nolisten",
-            "tcp",
-            "-noreset",
-        ],
-        pass_fds=[write],
-        stderr=subprocess.DEVNULL,
-    )
-    os.close(write)
-    # rviz crashes if it asks for a window before the X server has made it (window_ids.py).
-    # This is rarer if the server never waits for a core.
-    with contextlib.suppress(OSError):  # needs a privilege
-        os.sched_setscheduler(server.pid, os.SCHED_RR, os.sched_param(1))
-    with os.fdopen(read) as pipe:
-        number = pipe.readline().strip()
-    yield f":{number}"
-    server.terminate()
-    server.wait(10)
+    with x_server(1400, 900) as display:
+        yield display

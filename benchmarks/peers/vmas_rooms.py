@@ -82,11 +82,7 @@ class Teams:
         self._scenario = Scenario(self.robots, seed, rooms=scenario.TEAMS)
         self._step = 0
         self._env = vmas.make_env(
-            Rooms(),
-            num_envs=scenario.TEAMS,
-            robots=robots,
-            layout=self._scenario,
-            is_open=is_open,
+            Rooms(), num_envs=scenario.TEAMS, robots=robots, layout=self._scenario, is_open=is_open
         )
         self._observations = self._env.reset()
         commands = torch.tensor(self._scenario.commands, dtype=torch.float32)

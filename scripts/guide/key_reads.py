@@ -190,12 +190,7 @@ def _merge(name: str, reads: Sequence[Read]) -> Key:
 _MAX_CHOICES = 8
 """The largest number of choices listed in a table cell."""
 
-_UNITS = {
-    "get_rate": "Hz",
-    "get_pose": "m, m, rad",
-    "get_point": "m",
-    "get_points": "m",
-}
+_UNITS = {"get_rate": "Hz", "get_pose": "m, m, rad", "get_point": "m", "get_points": "m"}
 
 
 def _type(read: Read) -> str:

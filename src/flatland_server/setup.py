@@ -10,8 +10,6 @@ setup(
     **generate_distutils_setup(
         packages=PACKAGES,
         package_dir={"": "src"},
-        package_data={
-            "flatland_server": ["py.typed", "*.pyi", "messages/definitions/*/*.msg"],
-        },
+        package_data={"flatland_server": ["py.typed", "*.pyi", "messages/definitions/*/*.msg"]},
     )
 )

@@ -2,13 +2,13 @@
 
 import json
 import struct
-from io import BytesIO
 
 import pytest
 from bridge_clients import Receiver, foxglove
 
 from flatland_server import messages
 from flatland_server.messages import service_types
+from flatland_server.messages.wire_form import serialized
 
 SUBPROTOCOLS = ("foxglove.websocket.v1", "foxglove.sdk.v1")
 
@@ -83,11 +83,9 @@ def test_a_viewer_drives_and_reads(viewer):
     assert struct.unpack_from("<I", first)[0] == 6  # latched
     twist = messages.get("geometry_msgs/Twist")()
     twist.linear.x = 1.0
-    data = BytesIO()
-    twist.serialize(data)
     channel = {"id": 3, "topic": "/cmd_vel", "encoding": "ros1"}
     viewer.send(op="advertise", channels=[{**channel, "schemaName": "geometry_msgs/Twist"}])
-    viewer.socket.send(struct.pack("<BI", 1, 3) + data.getvalue())
+    viewer.socket.send(struct.pack("<BI", 1, 3) + serialized(twist))
 
     assert json.loads(viewer.call("/step", "json", b'{"steps": 200}'))["success"]
 
@@ -99,9 +97,8 @@ def test_a_viewer_drives_and_reads(viewer):
 
 def test_services_answer_in_the_encoding_of_the_request(viewer):
     kind = service_types.get("flatland_msgs/MoveModel")
-    request = BytesIO()
-    kind.request(name="robto").serialize(request)
-    response = kind.response().deserialize(viewer.call("/move_model", "ros1", request.getvalue()))
+    request = serialized(kind.request(name="robto"))
+    response = kind.response().deserialize(viewer.call("/move_model", "ros1", request))
 
     assert not response.success
     assert 'there is no model "robto"' in response.message

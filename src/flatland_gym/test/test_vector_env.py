@@ -11,8 +11,9 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from flatland2d import DistanceGrid, UsageError, world_content
 from flatland2d.world_source import exported_plugins
 from flatland_gym import SCENARIOS
-from flatland_gym.fleet import BatchFleet, SimulationFleet
+from flatland_gym.fleet import BatchFleet
 from flatland_gym.navigation_world import NavigationWorld
+from flatland_gym.simulation_fleet import SimulationFleet
 
 pytestmark = pytest.mark.slow
 

@@ -218,10 +218,7 @@ class PluginCase(ListeningCase):
 
     model: ClassVar[str]
     subscribed: ClassVar[Tuple[str, ...]] = ()
-    robots = (
-        Robot("plain", "", -2.0, 1.2, 0.3),
-        Robot("spaced", "ns", -2.0, -1.2, -0.4),
-    )
+    robots = (Robot("plain", "", -2.0, 1.2, 0.3), Robot("spaced", "ns", -2.0, -1.2, -0.4))
 
     @classmethod
     def spawn_robots(cls) -> None:

@@ -13,19 +13,13 @@ from service_calls import delete, move, spawn
 from std_msgs.msg import Bool
 from waiting import wait_until
 
-FACING_THE_WALL = (
-    Robot("plain", "", 4.5, 1.2, 0.0),
-    Robot("spaced", "ns", 4.5, -1.2, 0.0),
-)
+FACING_THE_WALL = (Robot("plain", "", 4.5, 1.2, 0.0), Robot("spaced", "ns", 4.5, -1.2, 0.0))
 
 
 def range_in_room(x, y, angle):
     """Distance from a point within |x| <= 5, |y| <= 3 to the walls."""
     cos, sin = math.cos(angle), math.sin(angle)
-    return min(
-        (math.copysign(5.0, cos) - x) / cos,
-        (math.copysign(3.0, sin) - y) / sin,
-    )
+    return min((math.copysign(5.0, cos) - x) / cos, (math.copysign(3.0, sin) - y) / sin)
 
 
 class Bumper(rostest_case.PluginCase):
@@ -88,10 +82,7 @@ class Gps(rostest_case.PluginCase):
         Topic("gps/fix", NavSatFix, 10.0, "{ns}receiver"),
         Topic("second/fix", NavSatFix, 25.0, "{ns}antenna"),
     )
-    frames = (
-        Frame("{ns}base", "{ns}receiver", 10.0),
-        Frame("{ns}base", "{ns}antenna", 25.0),
-    )
+    frames = (Frame("{ns}base", "{ns}receiver", 10.0), Frame("{ns}base", "{ns}antenna", 25.0))
 
 
 class Imu(rostest_case.PluginCase):
@@ -105,10 +96,7 @@ class Imu(rostest_case.PluginCase):
         Topic("second/truth", ImuMessage, 25.0, "{ns}second_imu"),
     )
     subscribed = ("cmd_vel",)
-    frames = (
-        Frame("{ns}base", "{ns}imu"),
-        Frame("{ns}base", "{ns}second_imu", 25.0),
-    )
+    frames = (Frame("{ns}base", "{ns}imu"), Frame("{ns}base", "{ns}second_imu", 25.0))
 
     @classmethod
     def get_going(cls):
@@ -132,10 +120,7 @@ class Laser(rostest_case.PluginCase):
         Topic("scan", LaserScan, 200.0, "{ns}laser"),
         Topic("rear/scan", LaserScan, 25.0, "{ns}rear_link"),
     )
-    frames = (
-        Frame("{ns}base", "{ns}laser"),
-        Frame("{ns}base", "{ns}rear_link", 25.0),
-    )
+    frames = (Frame("{ns}base", "{ns}laser"), Frame("{ns}base", "{ns}rear_link", 25.0))
 
     def test_ranges_are_those_of_the_room(self):
         for robot in self.robots:

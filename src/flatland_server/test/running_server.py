@@ -81,11 +81,7 @@ class Server:
     """
 
     def __init__(
-        self,
-        master: Master,
-        log: Path,
-        max_files: int = USUAL_FILES,
-        is_awaited: bool = True,
+        self, master: Master, log: Path, max_files: int = USUAL_FILES, is_awaited: bool = True
     ) -> None:
         self._log = log
         self._master = master

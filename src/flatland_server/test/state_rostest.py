@@ -8,7 +8,6 @@ import tempfile
 import threading
 import unittest
 from contextlib import contextmanager
-from io import BytesIO
 from pathlib import Path
 
 import rospkg
@@ -26,6 +25,7 @@ from visualization_msgs.msg import MarkerArray
 from waiting import wait_until
 
 from flatland_server import World, plain_data
+from flatland_server.messages.wire_form import serialized
 from flatland_server.testing import Harness
 
 BOX = Path(rospkg.RosPack().get_path("flatland_server")) / "worlds" / "office" / "box.model.yaml"
@@ -42,9 +42,7 @@ def command(index):
 def content(message):
     """A message without its sequence number, as bytes."""
     message.header.seq = 0
-    buffer = BytesIO()
-    message.serialize(buffer)
-    return buffer.getvalue()
+    return serialized(message)
 
 
 def physics(state):

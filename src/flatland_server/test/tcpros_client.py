@@ -3,11 +3,12 @@
 import socket
 import struct
 import xmlrpc.client
-from io import BytesIO
 from typing import Any, Dict, Tuple
 from urllib.parse import urlparse
 
 from rosgraph.network import decode_ros_handshake_header, encode_ros_handshake_header
+
+from flatland_server.messages.wire_form import serialized
 
 LIMIT = 20.0  # s
 _LENGTH = struct.Struct("<I")
@@ -61,9 +62,8 @@ def call_service(uri: str, service_name: str, service: Any, **request: Any) -> A
 
 def request_bytes(service: Any, **request: Any) -> bytes:
     """A request of a service after its length, as it is sent after the handshake."""
-    buffer = BytesIO()
-    service._request_class(**request).serialize(buffer)
-    return _LENGTH.pack(len(buffer.getvalue())) + buffer.getvalue()
+    data = serialized(service._request_class(**request))
+    return _LENGTH.pack(len(data)) + data
 
 
 def subscribe(node_uri: str, topic: str, message_type: Any) -> socket.socket:

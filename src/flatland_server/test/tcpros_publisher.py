@@ -3,7 +3,6 @@
 import socket
 import struct
 import threading
-from io import BytesIO
 from types import TracebackType
 from typing import Any, Dict, List, Optional, Tuple, Type
 from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
@@ -11,6 +10,8 @@ from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
 import roslib.message
 import tcpros_client
 from rosgraph.network import encode_ros_handshake_header
+
+from flatland_server.messages.wire_form import serialized
 
 CALLER = "/test_publisher"
 
@@ -77,9 +78,7 @@ class Publishers:
 
     def send(self, topic: str, message: Any) -> None:
         """Sends a message to all subscribers of a topic; forgets those that have gone."""
-        buffer = BytesIO()
-        message.serialize(buffer)
-        data = buffer.getvalue()
+        data = serialized(message)
         for connection in list(self._connections[topic]):
             try:
                 connection.sendall(struct.pack("<I", len(data)) + data)

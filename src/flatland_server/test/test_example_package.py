@@ -149,9 +149,7 @@ def workspace(flatland):
         shutil.copytree(PACKAGE, folder / "src" / name, ignore=ignored)
     rename(folder / "src" / "my_plugins")
     shell.run(
-        f"source '{flatland}/setup.bash'",
-        f"cd '{folder}'",
-        f"catkin_make {CONFIGURE} install",
+        f"source '{flatland}/setup.bash'", f"cd '{folder}'", f"catkin_make {CONFIGURE} install"
     )
     yield folder
     shutil.rmtree(folder)

@@ -109,10 +109,7 @@ class Screen:
 
     def _run_xdotool(self, *arguments):
         return subprocess.run(
-            ["xdotool", *map(str, arguments)],
-            env=self.environment,
-            capture_output=True,
-            text=True,
+            ["xdotool", *map(str, arguments)], env=self.environment, capture_output=True, text=True
         )
 
     def windows(self, title):
@@ -130,6 +127,12 @@ class Screen:
         window = wait_until(lambda: self.windows(title), f"the window {title!r}")[-1]
         self.focus(window)
         return window
+
+    def wait_for_dialog(self, title):
+        """Waits for a dialog, which must fit on the screen."""
+        dialog = self.wait_for_window(title)
+        assert self.has(dialog), (title, self.frame(dialog))
+        return dialog
 
     def wait_until_closed(self, title):
         wait_until(lambda: not self.windows(title), f"the window {title!r} to close")

@@ -248,16 +248,10 @@ class Viewer:
     def open_spawn_dialog(self, file=None):
         """Opens the dialog with this file."""
         self.press("a")
-        dialog = self.wait_for_dialog("Spawn Model")
+        dialog = self.screen.wait_for_dialog("Spawn Model")
         if file is not None:
             self.screen.key("alt+f", "ctrl+a")
             self.screen.type(file)
-        return dialog
-
-    def wait_for_dialog(self, title):
-        """Waits for a dialog, which must fit on the screen."""
-        dialog = self.screen.wait_for_window(title)
-        assert self.screen.has(dialog), (title, self.screen.frame(dialog))
         return dialog
 
     def start_placing(self, file):

@@ -61,16 +61,10 @@ class RoomWindow:
         self.screen.move(self.map.pixel(1.5, 1.5))
         self.screen.key(key)
 
-    def wait_for_dialog(self, title):
-        """Waits for a dialog, which must fit on the screen."""
-        dialog = self.screen.wait_for_window(title)
-        assert self.screen.has(dialog), (title, self.screen.frame(dialog))
-        return dialog
-
     def choose_model(self, file, name=""):
         """Chooses a model to spawn in the palette: by its file, with a name of its own if given."""
         self.press("a")
-        self.wait_for_dialog("Spawn Model")
+        self.screen.wait_for_dialog("Spawn Model")
         self.screen.key("alt+f", "ctrl+a")
         self.screen.type(file)
         if name:
@@ -146,7 +140,7 @@ class RoomWindow:
     def open_problems(self, kind, name):
         """Opens the list by a click on the badge."""
         self.screen.click(self.waiting(lambda: self.badge(kind), "the badge", 30))
-        dialog = self.wait_for_dialog("Problems")
+        dialog = self.screen.wait_for_dialog("Problems")
         self.waiting(lambda: self.is_drawn(dialog, name), "the list")
 
     def is_drawn(self, dialog, name):

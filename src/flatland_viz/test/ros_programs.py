@@ -64,11 +64,7 @@ class Ros:
         self._programs = []
         self._log_files = {}  # by process
         self._publishers = {}  # by topic
-        self.environment = {
-            **environment,
-            "ROS_MASTER_URI": self.master.uri,
-            "ROS_IP": "127.0.0.1",
-        }
+        self.environment = {**environment, "ROS_MASTER_URI": self.master.uri, "ROS_IP": "127.0.0.1"}
         # Before any node starts: a node that finds it unset uses real time.
         self.set_parameter("/use_sim_time", True)
         self.set_parameter("/flatland_viz/frame_rate", self.frame_rate)

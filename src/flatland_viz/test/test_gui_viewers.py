@@ -260,7 +260,7 @@ def test_space_and_a_click_pause_and_resume(viewer):
 def test_the_rate_is_set_by_key_and_dialog(viewer):
     for rate in ("0.5", "1"):
         viewer.press("r")
-        viewer.wait_for_dialog("Change Rate")
+        viewer.screen.wait_for_dialog("Change Rate")
         viewer.picture("rate")
         viewer.screen.key("ctrl+a")
         viewer.screen.type(rate)

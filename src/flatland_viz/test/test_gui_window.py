@@ -89,7 +89,7 @@ def test_single_steps_and_several(paused):
         paused.wait_for_state(stamp=pytest.approx(before + 0.02 * number))
         paused.waiting(lambda m=former: (message() != m).any(), "a message with the new time")
     paused.key("shift+F10")
-    paused.wait_for_dialog("Steps")
+    paused.screen.wait_for_dialog("Steps")
     paused.screen.key("ctrl+a")
     paused.screen.type("20")
     paused.screen.picture("window_steps")
@@ -106,7 +106,7 @@ def test_clicks_on_the_status_line_pause_and_change_the_rate(window):
         window.wait_for_state(paused=is_paused)
         window.waiting(lambda p=is_paused: window.says("paused") == p, "the status line")
     window.screen.click((right - window.screen.px(230), row))
-    window.wait_for_dialog("Change Rate")
+    window.screen.wait_for_dialog("Change Rate")
     window.screen.key("Escape")
     window.screen.wait_until_closed("Change Rate")
 
@@ -145,7 +145,7 @@ def test_files_are_reloaded_after_an_edit(window):
 
     window.world.write_text(WORLD + crate.replace("pose", "pos"))
     window.key("F5")
-    window.wait_for_dialog("Flatland")
+    window.screen.wait_for_dialog("Flatland")
     window.screen.picture("window_refused")
     window.screen.key("Escape")
     window.screen.wait_until_closed("Flatland")
@@ -161,7 +161,7 @@ def test_files_are_reloaded_after_an_edit(window):
 def test_another_world_is_opened_and_the_first_one_again(window):
     other = WORLDS / "test_room" / "world.yaml"
     window.key("ctrl+o")
-    dialog = window.wait_for_dialog("Open a World")
+    dialog = window.screen.wait_for_dialog("Open a World")
     window.waiting(lambda: window.is_drawn(dialog, "window_open"), "the dialog to be drawn")
     window.screen.type(str(other))
     window.screen.picture("window_open")
@@ -185,7 +185,7 @@ def test_another_world_is_opened_and_the_first_one_again(window):
 def test_a_spawn_that_was_refused_is_tried_again_at_its_place(window):
     window.choose_model(BOX, "turtlebot")
     window.screen.drag([window.map.pixel(x, 1.5) for x in (1.5, 2.0, 2.5)])
-    window.wait_for_dialog("Spawn Model")  # the name is taken
+    window.screen.wait_for_dialog("Spawn Model")  # the name is taken
     window.screen.picture("window_taken")
     window.screen.type("crate")  # the name is selected
     window.screen.key("Return")
@@ -202,7 +202,7 @@ def test_a_spawn_that_was_refused_is_tried_again_at_its_place(window):
 def test_a_second_robot_gets_a_name_and_a_namespace_of_its_own(window, file):
     (window.world.parent / ROBOT.name).write_text(ROBOT.read_text())
     window.press("a")
-    window.wait_for_dialog("Spawn Model")
+    window.screen.wait_for_dialog("Spawn Model")
     window.screen.key("alt+f", "ctrl+a")
     window.screen.type(file)
     window.screen.key("Tab")
@@ -221,7 +221,7 @@ def test_a_second_robot_gets_a_name_and_a_namespace_of_its_own(window, file):
 
 def test_a_model_is_spawned_by_a_click_on_its_picture_and_a_press_a_drag_and_a_release(window):
     window.key("alt+w", "p")  # the same palette as by its button and its key
-    dialog = window.wait_for_dialog("Spawn Model")
+    dialog = window.screen.wait_for_dialog("Spawn Model")
 
     def picture():
         """The middle of the box's picture; it was spawned before."""
@@ -297,7 +297,7 @@ def test_edits_are_marked_undone_redone_and_saved(window):
     window.screen.picture("window_unsaved")
 
     window.key("alt+F4")
-    window.wait_for_dialog("Flatland")
+    window.screen.wait_for_dialog("Flatland")
     window.screen.picture("window_question")
     window.screen.key("Escape")
     window.screen.wait_until_closed("Flatland")
@@ -388,7 +388,7 @@ def test_a_robot_stops_when_the_window_loses_the_keyboard_or_the_panel_is_closed
     with drive.held("Up"):
         drive.command()
         drive.screen.key("F1")
-        drive.wait_for_dialog("Keys and Mouse")
+        drive.screen.wait_for_dialog("Keys and Mouse")
         drive.wait_for_rest()
     drive.screen.key("Escape")
     drive.screen.wait_until_closed("Keys and Mouse")
@@ -476,7 +476,7 @@ def test_a_frame_of_two_nodes_is_a_problem(window):
 
 def test_hints_go_when_they_no_longer_apply(window):
     window.press("a")
-    window.wait_for_dialog("Spawn Model")
+    window.screen.wait_for_dialog("Spawn Model")
     window.waiting(lambda: window.has_hint(), "the hint")
     window.screen.key("Escape")
     window.screen.wait_until_closed("Spawn Model")
@@ -510,7 +510,7 @@ def test_the_keys_are_shown(window):
         window.screen.focus(window.id)
         focus()
         window.screen.key(*keys)
-        dialog = window.wait_for_dialog("Keys and Mouse")
+        dialog = window.screen.wait_for_dialog("Keys and Mouse")
         window.waiting(shows_text, "the keys")
         window.screen.key("Escape")
         window.screen.wait_until_closed("Keys and Mouse")

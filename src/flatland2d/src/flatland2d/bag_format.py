@@ -81,12 +81,7 @@ class BagFormat(Format):
         return block(_fields(op=_MESSAGE, conn=_U32(number), time=_time(nanoseconds))) + block(data)
 
     def _chunk_record(
-        self,
-        position: int,
-        start: int,
-        end: int,
-        data: bytes,
-        messages: Messages,
+        self, position: int, start: int, end: int, data: bytes, messages: Messages
     ) -> Tuple[bytes, bytes]:
         parts = [block(_fields(op=_CHUNK, compression=b"none", size=_U32(len(data)))), block(data)]
         for number, each in messages.items():

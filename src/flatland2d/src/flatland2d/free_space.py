@@ -13,8 +13,9 @@ from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point, Pose
 
 _MAX_SQUARES = 4_000_000
-Circles = Sequence[Tuple[float, float, float]]
-"""x, y and radius [m] of discs."""
+Circle = Tuple[float, float, float]
+"""x, y and radius [m] of a disc."""
+Circles = Sequence[Circle]
 _HALF_DIAGONAL = math.sqrt(0.5)  # of a square, in units of its side
 
 

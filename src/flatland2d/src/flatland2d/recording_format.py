@@ -144,12 +144,7 @@ class Format(ABC):
 
     @abstractmethod
     def _chunk_record(
-        self,
-        position: int,
-        start: int,
-        end: int,
-        data: bytes,
-        messages: Messages,
+        self, position: int, start: int, end: int, data: bytes, messages: Messages
     ) -> Tuple[bytes, bytes]:
         """A chunk with the index of its messages, and its entry in the index of the file."""
 

@@ -272,12 +272,7 @@ class Simulation(SimulatedTopics):
 
         self.require_open()
         recorder = Recorder(
-            self.transport,
-            self.timekeeper,
-            path,
-            topics,
-            lambda: self.world.odometry_frames,
-            ros2,
+            self.transport, self.timekeeper, path, topics, lambda: self.world.odometry_frames, ros2
         )
         if not self._recorders:
             self.after_step.append(self._write_recordings)

@@ -62,9 +62,7 @@ def test_all_chunks_of_a_killed_process_can_be_read(suffix, name, tmp_path, caps
     path = tmp_path / f"run{suffix}"
     active = tmp_path / f"run{suffix}.active"
     process = subprocess.Popen(
-        [sys.executable, "-c", PROGRAM, str(path)],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
+        [sys.executable, "-c", PROGRAM, str(path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     )
     assert process.stdout.readline() == b"stepped\n"
     begun = active.stat().st_size

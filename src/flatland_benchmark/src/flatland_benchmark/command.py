@@ -41,13 +41,7 @@ def parser() -> argparse.ArgumentParser:
     add("--runs", type=_positive, default=5, metavar="N", help="runs of each case (default 5)")
     add("--json", type=Path, metavar="FILE", help="write all values to a file, too")
     add("--plots", type=Path, metavar="DIR", help="write plots of the figures to a folder")
-    add(
-        "--from",
-        dest="source",
-        type=Path,
-        metavar="FILE",
-        help="plot FILE; run nothing",
-    )
+    add("--from", dest="source", type=Path, metavar="FILE", help="plot FILE; run nothing")
     add("--base", type=Path, metavar="CLONE", help="run another clone in turn, and compare with it")
     add("--compare", nargs=2, type=Path, metavar=("A", "B"), help="compare two files")
     # Added by benchmark.launch.

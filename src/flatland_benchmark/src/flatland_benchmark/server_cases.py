@@ -180,13 +180,10 @@ def serve_real_time(worlds: Path) -> Figures:
 def serve_rviz(worlds: Path) -> Figures:
     """The office at 200 Hz with the window under Xvfb, drawn without a graphics card."""
     with ServerProcess(worlds / "office" / "world.yaml", REAL_TIME) as server:
-        xvfb = ["Xvfb", "-displayfd", "1", "-screen", "0", "1400x900x24", "-nolisten", "tcp"]
-        screen = server.start("Xvfb", [*xvfb, "-noreset"])
-        number = server.wait_until(lambda: screen.output.strip(), "a screen")
         window = server.start(
             "flatland_viz",
             ["rosrun", "flatland_viz", "flatland_viz"],
-            DISPLAY=f":{number}",
+            DISPLAY=server.start_screen(),
             LIBGL_ALWAYS_SOFTWARE="1",
         )
         server.wait_until(lambda: server.subscribers("/scan"), "the window")

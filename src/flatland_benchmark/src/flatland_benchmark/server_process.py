@@ -142,6 +142,7 @@ class ServerProcess:
             "ROS_IP": "127.0.0.1",
             "ROS_HOME": self._folder.name,
             "ROS_LOG_DIR": self._folder.name,
+            "XDG_CONFIG_HOME": self._folder.name,  # the window's settings
         }
         self._port = port
 
@@ -207,6 +208,12 @@ class ServerProcess:
         process.wait(limit)
         self.end(process)
         return process.output
+
+    def start_screen(self) -> str:
+        """Starts an X server, and returns the name of its display."""
+        options = ("-screen", "0", "1400x900x24", "-nolisten", "tcp", "-noreset")
+        screen = self.start("Xvfb", ["Xvfb", "-displayfd", "1", *options])
+        return f":{self.wait_until(lambda: screen.output.strip(), 'a screen')}"
 
     def end(self, process: Process) -> None:
         """Ends one program."""

@@ -43,9 +43,7 @@ def _server(world: Path, limit: float = 60.0) -> Iterator[Tuple[ServerProcess, s
     with ServerProcess(
         world, _REAL_TIME, parameters=("_map_to_odom:=true",), limit=limit
     ) as server:
-        xvfb = ["Xvfb", "-displayfd", "1", "-screen", "0", "1400x900x24", "-nolisten", "tcp"]
-        screen = server.start("Xvfb", [*xvfb, "-noreset"])
-        yield server, f":{server.wait_until(lambda: screen.output.strip(), 'a screen')}"
+        yield server, server.start_screen()
 
 
 def _open(server: ServerProcess, kind: str, display: str) -> Process:

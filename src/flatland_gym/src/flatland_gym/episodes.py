@@ -14,6 +14,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tup
 import numpy as np
 
 from flatland2d import Point, Pose, UsageError
+from flatland2d.free_space import Circle, Circles
 from flatland_gym.navigation_world import Disc, NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings
 from flatland_server import Segments, from_segments
@@ -24,9 +25,6 @@ _TRIES_OF_MODELS = 60
 _DRAWN = ("world", "goal_distance", "margin", "obstacles", "robot_scales")
 OPTIONS = ("start", "goal", *_DRAWN)
 """The keys of `reset(options=...)`."""
-
-Circles = List[Tuple[float, float, float]]
-"""x, y and radius [m] of occupied discs."""
 
 
 @dataclass(frozen=True)
@@ -149,7 +147,7 @@ class EpisodeSampler:
                 f'the world "{world.name}" has no room for a robot of {world.radius:g} m radius '
                 f"and a margin of {margin:g} m"
             )
-        standing: Circles = [(disc.x, disc.y, disc.radius) for disc in world.standing]
+        standing: List[Circle] = [(disc.x, disc.y, disc.radius) for disc in world.standing]
         near_starts, near_goals = list(standing), list(standing)
         starts: List[Pose] = []
         goals: List[Point] = []
@@ -226,7 +224,7 @@ class EpisodeSampler:
         self,
         world: NavigationWorld,
         settings: NavigationSettings,
-        taken: Circles,
+        taken: List[Circle],
         rng: np.random.Generator,
     ) -> Dict[str, Pose]:
         """Poses of the scattered models and of the obstacles."""
@@ -274,17 +272,9 @@ def _require_free(
         )
     if not world.space.free_space(world.radius).contains_point(x, y):
         raise UsageError(f"{expected}, which walls separate from the robot")
-    if not _is_clear((x, y), world.radius, standing):
-        raise UsageError(f"{expected}, where another model stands")
-
-
-def _is_clear(place: Sequence[float], radius: float, discs: Circles) -> bool:
-    """True if a disc overlaps no other one."""
-    x, y = place
-    for a, b, r in discs:  # noqa: SIM110 (quicker than a generator)
-        if not math.hypot(x - a, y - b) > radius + r:
-            return False
-    return True
+    for a, b, radius in standing:
+        if math.hypot(x - a, y - b) <= world.radius + radius:
+            raise UsageError(f"{expected}, where another model stands")
 
 
 class _Ends(NamedTuple):

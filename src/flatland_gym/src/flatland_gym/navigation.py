@@ -8,18 +8,18 @@ from itertools import product
 from typing import Any, Dict, List, Mapping, NoReturn, Optional, Sequence, Tuple
 
 import numpy as np
-from gymnasium import spaces
 
 from flatland2d import BatchObservation, Simulation, UsageError
 from flatland_gym.episodes import EpisodeSampler, options_of
-from flatland_gym.fleet import Fleet, Motions, RobotSimulation, make_fleet
+from flatland_gym.fleet import Fleet, Motions
+from flatland_gym.judging import judge
 from flatland_gym.navigation_world import NavigationWorld
-from flatland_gym.observations import as_dict, bounds, goal_distances, neighbor_rows
+from flatland_gym.observations import as_dict, goal_distances, neighbor_rows
 from flatland_gym.pictures import RENDER_MODES, picture, status_line, usable
 from flatland_gym.policy import Policy
-from flatland_gym.rewards import OtherModels, Transition, navigation_reward, navigation_termination
-from flatland_gym.robot import Robot
+from flatland_gym.rewards import OtherModels, Transition
 from flatland_gym.settings import NavigationSettings
+from flatland_gym.simulation_fleet import RobotSimulation, make_fleet
 from flatland_server import BoolArray, Float32Array, FloatArray, IntArray
 from flatland_server._core import GoalObserver
 
@@ -87,7 +87,7 @@ class Navigation:
         self._threads = threads
         self._is_single = robots is not None and count == 1
         self.action_space = self.robot.action_space()
-        self.observation_space = observation_space(self.robot, settings)
+        self.observation_space = self.robot.observation_space(settings)
         self._limits = self.robot.actions
         self._observer = GoalObserver(
             self.robot.beams, self.robot.max_range, self.robot.velocity_limits
@@ -417,37 +417,6 @@ def _require_tries(count: int) -> None:
         )
 
 
-def judge(transition: Transition, settings: NavigationSettings) -> Tuple[FloatArray, BoolArray]:
-    """Rewards and terminations of n environments, by the settings' functions if there are any.
-
-    Raises:
-        UsageError: such a function has returned another shape, or no finite numbers.
-    """
-    count, step = len(transition.distance), transition
-    if settings.reward is not None or settings.terminated is not None:
-        arrays = {name: _frozen(getattr(transition, name)) for name in Transition._fields[:-2]}
-        step = transition._replace(**arrays)
-    if settings.reward is None:
-        rewards = navigation_reward(step, settings.rewards)
-    else:
-        rewards = _result("reward", settings.reward(step), np.float64, count)
-    if settings.terminated is None:
-        terminated = navigation_termination(step, settings.collision_ends)
-    else:
-        terminated = _result("terminated", settings.terminated(step), np.bool_, count)
-    return rewards, terminated
-
-
-def observation_space(robot: Robot, settings: NavigationSettings) -> "spaces.Space[Any]":
-    """The space of a robot's observations; see `observations`."""
-    parts = sum(limit > 0.0 for limit in robot.velocity_limits)
-    ends = bounds(robot.beams, parts, settings.neighbors)
-    if settings.flatten:
-        return spaces.Box(*ends, dtype=np.float32)
-    low, high = (as_dict(end, robot.beams, settings.neighbors) for end in ends)
-    return spaces.Dict({key: spaces.Box(low[key], high[key], dtype=np.float32) for key in low})
-
-
 def _require_alike(first: NavigationWorld, other: NavigationWorld) -> None:
     """Raises a UsageError unless the robots of two worlds have the same spaces."""
     for name in ("beams", "max_range", "action_limits", "velocity_limits"):
@@ -457,20 +426,3 @@ def _require_alike(first: NavigationWorld, other: NavigationWorld) -> None:
                 f"expected worlds in which the robots are alike: {name} is {a} in {first.name}, "
                 f"{b} in {other.name}"
             )
-
-
-def _frozen(array: Any) -> Any:
-    """A read-only view."""
-    view = array.view()
-    view.flags.writeable = False
-    return view
-
-
-def _result(name: str, value: Any, kind: Any, count: int) -> Any:
-    """The checked result of a user's function, as an array of n values."""
-    result = np.asarray(value)
-    if result.shape != (count,):
-        raise UsageError(f"expected {name} to return shape ({count},), found {result.shape}")
-    if result.dtype.kind not in "biuf" or not np.isfinite(result).all():
-        raise UsageError(f"expected {name} to return finite numbers, found {result!r:.80}")
-    return result.astype(kind)

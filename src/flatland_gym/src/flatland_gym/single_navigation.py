@@ -9,10 +9,11 @@ from typing import Any, Dict, List, Tuple
 
 import numpy as np
 
-from flatland_gym.fleet import RobotSimulation
-from flatland_gym.navigation import Navigation, judge, numbers_of
+from flatland_gym.judging import judge
+from flatland_gym.navigation import Navigation, numbers_of
 from flatland_gym.rewards import Transition
 from flatland_gym.settings import NavigationSettings
+from flatland_gym.simulation_fleet import RobotSimulation
 
 Result = Tuple[Any, float, bool, bool, Dict[str, Any]]
 """Observation, reward, termination, truncation and info."""

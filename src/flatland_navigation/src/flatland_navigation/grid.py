@@ -5,7 +5,7 @@ from typing import Optional, Tuple
 
 import numpy as np
 
-from flatland_server import BoolArray, FloatArray, Point, Segments, from_segments, squared_distances
+from flatland_server import BoolArray, FloatArray, Point, Segments, _core, from_segments
 
 Cell = Tuple[int, int]
 """Row and column; the bottom left cell is (0, 0)."""
@@ -153,21 +153,10 @@ class Grid:
         """Blocks the cells with points nearer to a segment than the clearance."""
         # The points of a cell are at most half a diagonal from its centre.
         reach = self.clearance + self.resolution * np.sqrt(0.5)
-        rows, columns = self.free.shape
-        corners = (segments.reshape(-1, 2, 2) - self.origin) / self.resolution
-        margin = reach / self.resolution
-        lows = np.maximum(np.floor(corners.min(axis=1) - margin), 0).astype(int)
-        highs = np.ceil(corners.max(axis=1) + margin).astype(int)
-        for segment, (left, bottom), (right, top) in zip(segments, lows, highs):
-            right, top = min(right, columns), min(top, rows)
-            if left >= right or bottom >= top:
-                continue
-            x = self.origin[0] + (np.arange(left, right) + 0.5) * self.resolution
-            y = self.origin[1] + (np.arange(bottom, top) + 0.5) * self.resolution
-            x1, y1, x2, y2 = segment.tolist()
-            squares = squared_distances(x - x1, (y - y1)[:, np.newaxis], (x2 - x1, y2 - y1))
-            near = squares < reach**2
-            self.free[bottom:top, left:right] &= ~near
+        squares = np.full(self.free.shape, reach**2)
+        segments = np.ascontiguousarray(segments, np.float64)
+        _core.lower_to_walls(squares, segments, reach, self.origin, self.resolution)
+        self.free[squares < reach**2] = False
 
 
 def _closed(walls: Segments) -> Segments:

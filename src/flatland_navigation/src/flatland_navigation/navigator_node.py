@@ -68,11 +68,7 @@ class NavigatorNode:
             parameters.pose_source, parameters.map_frame, parameters.odom_topic
         )
         self._odometry = rospy.Subscriber(
-            self._localization.topic,
-            Odometry,
-            self._on_odometry,
-            queue_size=1,
-            tcp_nodelay=True,
+            self._localization.topic, Odometry, self._on_odometry, queue_size=1, tcp_nodelay=True
         )
         rospy.on_shutdown(self._stop)
 

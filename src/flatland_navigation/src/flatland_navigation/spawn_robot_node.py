@@ -33,7 +33,7 @@ def main() -> int:
         pose = Pose2D(*(read_number(key, 0.0) for key in ("x", "y", "yaw")))
         if not _wait_for_server(ended):
             return 0
-        _spawn(name, pose)
+        spawn(name, pose)
     except FlatlandError as error:
         rospy.logfatal("%s", error)
         return 1
@@ -45,7 +45,16 @@ def main() -> int:
     return 0
 
 
-def _spawn(name: str, pose: Pose2D) -> None:
+def spawn(name: str, pose: Pose2D) -> None:
+    """Spawns the model `~model`; warns if `~localiser` and the server both send map -> odom.
+
+    Args:
+        name: of the model, and its namespace.
+        pose: where it is spawned.
+
+    Raises:
+        FlatlandError: the server refuses.
+    """
     path = str(rospy.get_param("~model"))
     try:
         answer: Any = rospy.ServiceProxy("/spawn_model", SpawnModel)(path, name, name, pose)
@@ -54,6 +63,13 @@ def _spawn(name: str, pose: Pose2D) -> None:
     if not answer.success:
         raise FlatlandError(answer.message)
     rospy.loginfo("%s spawned at (%g, %g)", name, pose.x, pose.y)
+    localiser = rospy.get_param("~localiser", "")
+    if localiser and rospy.get_param("/flatland_server/map_to_odom", False):
+        rospy.logwarn(
+            "%s: both %s and the server send map -> odom: start server.launch with "
+            "map_to_odom:=false, or robot.launch with navigator:=waypoints and without gps:=true",
+            *(name, localiser),
+        )
 
 
 def _wait_for_server(ended: threading.Event) -> bool:

@@ -1,11 +1,14 @@
 """Grids: which cells are free, against distances that are computed point by point."""
 
 import math
+import zlib
 
 import numpy as np
 import pytest
 
 from flatland_navigation.grid import Grid
+from flatland_navigation.parameters import read_walls
+from flatland_server.config.shipped_worlds import shipped_worlds
 
 ROOM = np.array([[0.0, 0, 4, 0], [4, 0, 4, 3], [4, 3, 0, 3], [0, 3, 0, 0]])
 
@@ -29,6 +32,24 @@ def test_all_points_of_free_cells_have_the_clearance():
             assert min(distance(corner, walls) for corner in corners) >= 0.25
         else:
             assert distance((x, y), walls) < 0.25 + 0.1 * math.sqrt(0.5) + 1e-3
+
+
+def test_grids_of_the_shipped_worlds_stay_the_same():
+    free = {}
+    for name, path in shipped_worlds().items():
+        grid = Grid.from_walls(read_walls(path), 0.24)
+        free[name] = int(grid.free.sum()), zlib.crc32(np.packbits(grid.free))
+
+    assert free == {
+        "circle_crossing": (12996, 2744295022),
+        "corridor_frontal": (2926, 2405919019),
+        "crossing": (12996, 2744295022),
+        "doorway": (5760, 2295281885),
+        "intersection": (21624, 2926547506),
+        "office": (76312, 467121480),
+        "overtaking": (2926, 2405919019),
+        "test_room": (5076, 154564600),
+    }
 
 
 def test_a_grid_spans_the_walls():

@@ -293,9 +293,22 @@ def test_with_gps_a_second_filter_localises_in_the_map(stack):
     assert "/r1/ekf_map" not in nodes_of(load("ekf.launch", "ns:=r1"))
 
 
+def test_one_localiser_sends_map_to_odom(stack):
+    for localiser, *arguments in (
+        ("amcl",),
+        ("ekf_map", "gps:=true"),
+        ("ekf_map", "gps:=true", "ekf:=true", "navigator:=waypoints"),
+        ("", "navigator:=waypoints"),
+    ):
+        config = load("robot.launch", "ns:=r1", *arguments)
+        found = {"/r1/amcl", "/r1/ekf_map"} & {*nodes_of(config)}
+        assert found == ({f"/r1/{localiser}"} if localiser else set())
+        assert params_of(config, "/r1/spawn_robot")["localiser"] == localiser
+
+
 def test_either_the_filter_or_the_drive_sends_the_transform(stack):
-    for ekf in (True, False):
-        config = load("robot.launch", "ns:=r1", f"ekf:={str(ekf).lower()}")
+    for ekf, *arguments in ((True, "ekf:=true"), (True, "gps:=true"), (False,)):
+        config = load("robot.launch", "ns:=r1", *arguments)
         assert config.params["/wheel_odom_tf"].value is not ekf
         assert ("/r1/ekf" in nodes_of(config)) == ekf
 

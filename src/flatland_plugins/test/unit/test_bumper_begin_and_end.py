@@ -1,19 +1,7 @@
 """Bumper: the begin, the rest and the end of collisions, for every cause of an end."""
 
 import pytest
-from bumping import (
-    BOX,
-    BUMPER,
-    MASS,
-    impulse,
-    names,
-    now,
-    press,
-    record,
-    throw,
-    vectors,
-    wall,
-)
+from bumping import BOX, BUMPER, MASS, impulse, names, now, press, record, throw, vectors, wall
 
 from flatland_server.geometry import Pose
 from flatland_server.plugins.model_plugin import ModelPlugin

@@ -3,20 +3,7 @@
 import math
 
 import pytest
-from bumping import (
-    BOX,
-    BUMPER,
-    DISC,
-    RADIUS,
-    SKIN,
-    names,
-    now,
-    press,
-    record,
-    throw,
-    vectors,
-    wall,
-)
+from bumping import BOX, BUMPER, DISC, RADIUS, SKIN, names, now, press, record, throw, vectors, wall
 
 from flatland_server.geometry import Pose
 

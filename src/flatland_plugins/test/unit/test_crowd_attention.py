@@ -15,11 +15,7 @@ TOUCH = 0.2 + RADIUS
 def nearest(town, files, person: str, seconds: float = 8.0) -> float:
     """The least distance of a person from a heavy robot that stands in the way [m]."""
     disc = "{type: circle, radius: 0.2, density: 100000}"
-    people = town(
-        f"{TOWARDS_THE_ROBOT}, {person}",
-        keys=CALM,
-        robots=robot(files, footprint=disc),
-    )
+    people = town(f"{TOWARDS_THE_ROBOT}, {person}", keys=CALM, robots=robot(files, footprint=disc))
     path = walk(people, seconds, "people_0", "robot")
     return float(np.linalg.norm(path[:, 0] - path[:, 1], axis=-1).min())
 

@@ -14,8 +14,6 @@ GPS = "type: Gps, name: gps, body: base"
 FIX = "/gps/fix"
 
 GEOD = pyproj.Geod(ellps="WGS84")
-A, F = 6378137.0, 1 / 298.257223563  # WGS 84: equatorial radius [m], flattening
-E2 = F * (2 - F)
 
 LATITUDES = (-80.0, -45.0, -12.3456789, 0.0, 1e-9, 30.0, 51.5, 80.0)
 LONGITUDES = (0.0, -0.1278, 100.0, 179.999999, 180.0, -180.0, -179.995)

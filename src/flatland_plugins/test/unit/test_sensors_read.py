@@ -48,10 +48,7 @@ def load(tmp_path):
         robot = {"bodies": [{"name": "base", "footprints": [DISC]}], "plugins": entries}
         world = {
             "properties": {},
-            "layers": [
-                {"name": "map", "map": tmp_path / "map.yaml"},
-                {"name": "reflectance"},
-            ],
+            "layers": [{"name": "map", "map": tmp_path / "map.yaml"}, {"name": "reflectance"}],
             "models": [
                 {"name": "robot", "model": robot},
                 {"name": "box", "pose": [0.6, 0.1, 0], "model": {"bodies": robot["bodies"]}},

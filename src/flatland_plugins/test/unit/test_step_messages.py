@@ -135,11 +135,7 @@ def run(files, by_core: bool, drive: str) -> BytesTransport:
 
 @pytest.mark.parametrize(
     "drive",
-    [
-        "type: DiffDrive",
-        "type: DiffDrive, twist_in_local_frame: true",
-        f"type: DiffDrive, {DRIFT}",
-    ],
+    ["type: DiffDrive", "type: DiffDrive, twist_in_local_frame: true", f"type: DiffDrive, {DRIFT}"],
     ids=["exact", "local twist", "drift"],
 )
 def test_the_core_writes_the_bytes_that_hooks_do(files, drive):

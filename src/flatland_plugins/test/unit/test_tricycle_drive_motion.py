@@ -29,10 +29,7 @@ either_way_round = pytest.mark.parametrize(
 # Without limits
 
 
-@pytest.mark.parametrize(
-    ("speed", "angle"),
-    [(1.5, -0.7), (-0.8, 0.5)],
-)
+@pytest.mark.parametrize(("speed", "angle"), [(1.5, -0.7), (-0.8, 0.5)])
 @either_way_round
 def test_the_front_wheel_and_the_rear_axle_follow_circles_about_one_centre(
     files, speed: float, angle: float, front: str

@@ -24,8 +24,7 @@ def make(request, files):
 
 
 @pytest.mark.parametrize(
-    ("linear", "angular"),
-    [(math.nan, 0.0), (0.0, math.nan), (math.inf, 0.0), (0.0, -math.inf)],
+    ("linear", "angular"), [(math.nan, 0.0), (0.0, math.nan), (math.inf, 0.0), (0.0, -math.inf)]
 )
 def test_a_command_that_cannot_be_obeyed_is_ignored_with_a_warning(make, caplog, linear, angular):
     robot = make(namespace="robot1").drive(0.5, topic="/robot1/cmd_vel").run(1.0)

@@ -27,8 +27,18 @@ struct Box {
   Vec2 low{1e300, 1e300};
   Vec2 high{-1e300, -1e300};
 
-  void Add(const Segment& segment);
-  void Add(const Box& other);
+  void Add(Vec2 point) {
+    low = {std::min(low.x, point.x), std::min(low.y, point.y)};
+    high = {std::max(high.x, point.x), std::max(high.y, point.y)};
+  }
+  void Add(const Segment& segment) {
+    Add(segment.a);
+    Add(segment.b);
+  }
+  void Add(const Box& other) {
+    low = {std::min(low.x, other.low.x), std::min(low.y, other.low.y)};
+    high = {std::max(high.x, other.high.x), std::max(high.y, other.high.y)};
+  }
   /// True if the two have a point in common.
   bool Meets(const Box& other) const {
     return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y &&

@@ -18,8 +18,8 @@
 /// Walls that scans from the corners of the cell see are taken at once; those that turn their back
 /// on it, and so are hidden by others of their outline, are left out at once.
 ///
-/// A search takes one or two milliseconds; that for a cell of half a metre less than one if the
-/// walls of the cell of a metre around it are known, as only these and their chains matter. So that
+/// A search takes about a millisecond; that for a cell of half a metre a third of it if the walls
+/// of the cell of a metre around it are known, as only these and their chains matter. So that
 /// no step is late, a scan from a cell that waits for its walls makes a part of the first search
 /// that waits (wall_search.hpp). Searches take much memory, so only as many are begun as there are
 /// threads. In a batch no step is awaited by itself: its scans make whole searches, so that none
@@ -62,8 +62,8 @@ class VisibleWalls {
   /// threads may call it at a time.
   const WallList* SeenFrom(Vec2 point, int effort = kEffort) const;
 
-  /// Of a part of a search, which takes about 40 us; and of a whole one.
-  static constexpr int kEffort = 2000, kWholeSearch = INT_MAX;
+  /// Of a part of a search, which takes about 20 us; and of a whole one.
+  static constexpr int kEffort = 3000, kWholeSearch = INT_MAX;
 
   /// The number of cells of a metre; 0 with few walls.
   int cell_count() const { return grids_.empty() ? 0 : grids_[1].columns * grids_[1].rows; }
@@ -81,8 +81,8 @@ class VisibleWalls {
   static constexpr uint32_t kAllWalls = UINT32_MAX - 1;  ///< too many can be seen for a list
 
   /// As many scans are made from a cell of a metre before the search for its walls begins, and as
-  /// many from one of half a metre. In an office about a hundred more complete it.
-  static constexpr int kScansBefore = 64;
+  /// many from one of half a metre. In an office about sixty more complete it.
+  static constexpr int kScansBefore = 32;
   static constexpr int kScansBeforeHalf = 384;
 
  private:

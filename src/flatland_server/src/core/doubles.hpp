@@ -1,6 +1,6 @@
 #pragma once
 
-/// Arithmetic on four numbers at a time (SIMD), for depth_buffer.cpp and its parts.
+/// Arithmetic on four numbers at a time (SIMD).
 
 #include <cmath>
 #include <cstdint>

@@ -100,18 +100,6 @@ Cut FindCut(const Binning& binning, const std::vector<Segment>& segments, Iterat
 
 }  // namespace
 
-void Box::Add(const Segment& segment) {
-  for (const Vec2& end : {segment.a, segment.b}) {
-    low = {std::min(low.x, end.x), std::min(low.y, end.y)};
-    high = {std::max(high.x, end.x), std::max(high.y, end.y)};
-  }
-}
-
-void Box::Add(const Box& other) {
-  low = {std::min(low.x, other.low.x), std::min(low.y, other.low.y)};
-  high = {std::max(high.x, other.high.x), std::max(high.y, other.high.y)};
-}
-
 std::shared_ptr<const SegmentTree> SegmentTree::Share(std::vector<Segment> segments,
                                                       const Progress& progress) {
   static std::mutex mutex;

@@ -1,7 +1,10 @@
 #pragma once
 
 /// The search for the walls that can be seen from a box, in portions; visible_walls.hpp has the
-/// method.
+/// method. What is known at once comes first: walls that face away, those that scans from the
+/// corners see (corner_scans.hpp), and those in the umbra of the occluders (umbras.hpp). Sight
+/// lines to the others (sight_lines.hpp) are halved until single occluders block them all, or one
+/// is found that none blocks (four_occluders.hpp).
 
 #include <cstdint>
 #include <memory>

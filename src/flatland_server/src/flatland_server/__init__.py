@@ -38,7 +38,7 @@ from flatland_server._core import (
     Tween,
 )
 from flatland_server._core import __version__ as __version__
-from flatland_server.array_math import cos_sin, from_segments, headings, squared_distances
+from flatland_server.array_math import cos_sin, from_segments, headings
 from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, PoseLike, Segments
 from flatland_server.canvas import Canvas
 from flatland_server.config.yaml_map import check_topic_name
@@ -164,7 +164,6 @@ __all__ = [
     "messages",
     "quaternion",
     "ros_time",
-    "squared_distances",
     "wrap_angle",
     "yaw_of",
 ]

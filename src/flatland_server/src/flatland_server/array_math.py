@@ -12,7 +12,6 @@ from typing import Tuple
 import numpy as np
 
 from flatland_server.arrays import FloatArray
-from flatland_server.geometry import Point
 
 
 def cos_sin(angles: FloatArray) -> Tuple[FloatArray, FloatArray]:
@@ -50,23 +49,3 @@ def from_segments(points: FloatArray, segments: FloatArray) -> FloatArray:
     along = np.einsum("...i,...i->...", to_point, steps) / np.where(squares > 0.0, squares, 1.0)
     along = np.minimum(np.maximum(along, 0.0), 1.0)  # quicker than clip
     return np.asarray(to_point - along[..., np.newaxis] * steps)
-
-
-def squared_distances(xs: FloatArray, ys: FloatArray, end: Point) -> FloatArray:
-    """The squared distances of points from a segment [m^2], for all squares of a grid at a time.
-
-    Args:
-        xs: x of the points [m], relative to one end of the segment: shape (columns,).
-        ys: y of the points [m], relative to that end: shape (rows, 1).
-        end: the other end, relative to the first one [m]; it may be the same.
-
-    Returns:
-        Shape (rows, columns).
-    """
-    along_x, along_y = end
-    square = along_x**2 + along_y**2
-    if square == 0.0:
-        return np.asarray(xs**2 + ys**2)
-    part = (along_x / square) * xs + (along_y / square) * ys
-    part = np.minimum(np.maximum(part, 0.0), 1.0)
-    return np.asarray((xs - part * along_x) ** 2 + (ys - part * along_y) ** 2)

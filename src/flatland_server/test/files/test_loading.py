@@ -61,27 +61,19 @@ def test_the_working_directory_does_not_matter(good_files, monkeypatch, tmp_path
     good_files.load().close()
 
 
-def test_a_file_named_in_an_include_is_relative_to_the_root_document(files):
+@pytest.mark.parametrize(
+    "discs",
+    [
+        {"disc.yaml": DISC},
+        {"parts/disc.yaml": DISC},
+        {"disc.yaml": DISC, "parts/disc.yaml": "wrong: true\n"},  # the root document's comes first
+    ],
+)
+def test_a_file_named_in_an_include_is_relative_to_the_root_document_or_to_it(files, discs):
     files.write("world.yaml", "properties: {}\nlayers: []\nmodels: $include parts/models.yaml\n")
     files.write("parts/models.yaml", "- {name: disc, model: disc.yaml}\n")
-    files.write("disc.yaml", DISC)
-
-    assert list(files.load().models) == ["disc"]
-
-
-def test_or_relative_to_the_included_file(files):
-    files.write("world.yaml", "properties: {}\nlayers: []\nmodels: $include parts/models.yaml\n")
-    files.write("parts/models.yaml", "- {name: disc, model: disc.yaml}\n")
-    files.write("parts/disc.yaml", DISC)
-
-    assert list(files.load().models) == ["disc"]
-
-
-def test_relative_to_the_root_document_takes_precedence(files):
-    files.write("world.yaml", "properties: {}\nlayers: []\nmodels: $include parts/models.yaml\n")
-    files.write("parts/models.yaml", "- {name: disc, model: disc.yaml}\n")
-    files.write("parts/disc.yaml", "wrong: true\n")
-    files.write("disc.yaml", DISC)
+    for name, text in discs.items():
+        files.write(name, text)
 
     assert list(files.load().models) == ["disc"]
 

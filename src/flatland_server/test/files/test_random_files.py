@@ -141,8 +141,7 @@ def worlds(draw: Any) -> Dict[str, Any]:
         "world": {
             "properties": draw(
                 optional(
-                    velocity_iterations=st.integers(1, 30),
-                    position_iterations=st.integers(1, 30),
+                    velocity_iterations=st.integers(1, 30), position_iterations=st.integers(1, 30)
                 )
             ),
             "layers": entries,

@@ -1,8 +1,8 @@
 """All kinds of markers of a world, for tests with ROS and without."""
 
-from io import BytesIO
 from pathlib import Path
 
+from flatland_server.messages import wire_form
 from flatland_server.messages.model_markers import ModelMarkers, preview
 from flatland_server.messages.serialized_markers import array_of, delete_all, serialized
 from flatland_server.messages.wall_markers import flat_walls, upright_walls
@@ -24,6 +24,4 @@ def markers_of_a_world(folder: Path) -> str:
         upright_walls(walls.config, walls.segments, "map"),
         delete_all("map"),
     )
-    buffer = BytesIO()
-    array_of(parts).serialize(buffer)
-    return buffer.getvalue().hex()
+    return wire_form.serialized(array_of(parts)).hex()

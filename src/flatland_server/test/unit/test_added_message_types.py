@@ -1,7 +1,5 @@
 """Message types that a user adds, by `messages.add` or in a package's folder msg."""
 
-from io import BytesIO
-
 import genpy
 import pytest
 
@@ -9,7 +7,7 @@ from flatland_server import MessageError, messages
 from flatland_server.messages import times
 from flatland_server.messages.definition import Definition
 from flatland_server.messages.message_types import MessageTypes
-from flatland_server.testing.observation import serialized
+from flatland_server.messages.wire_form import serialized
 
 DEFINITION = """
 # A robot's load.
@@ -46,10 +44,8 @@ def test_with_ros_an_added_type_is_one_that_rospy_publishes():
 
     assert issubclass(cls, genpy.Message)
     assert isinstance(message.header, messages.get("std_msgs/Header"))
-    buffer = BytesIO()
     genpy.message.check_type("header", "std_msgs/Header", message.header)
-    message.serialize(buffer)
-    assert cls().deserialize(buffer.getvalue()) == message
+    assert cls().deserialize(serialized(message)) == message
     assert str(message).endswith("mass: 3.0")  # as ROS's
 
 
@@ -62,11 +58,7 @@ def test_with_ros_an_added_type_is_one_that_rospy_publishes():
             'my_plugins/A:2: expected a type, found "flaot64"',
         ),
         ("my_plugins/A", "float64", "my_plugins/A:1: expected a type and a name"),
-        (
-            "my_plugins/A",
-            "float64 x\n\nint8 x",
-            'A:3: expected each name once, found "x"',
-        ),
+        ("my_plugins/A", "float64 x\n\nint8 x", 'A:3: expected each name once, found "x"'),
         ("my_plugins/A", "int8 X=y", "my_plugins/A:1: expected the value of a int8 constant"),
         ("my_plugins/A", "A[] a", "my_plugins/A contains itself"),
         ("my_plugins/A", "geometry_msgs/Pont a", '(did you mean "geometry_msgs/Point"?)'),
@@ -127,8 +119,4 @@ def test_types_of_a_python_package_are_in_its_folder_msg(tmp_path, monkeypatch):
 def test_constants_of_a_definition_are_read_in_their_types():
     definition = Definition.parse("a/B", DEFINITION)
 
-    assert [constant.value for constant in definition.constants] == [
-        0.5,
-        '"kg" # all of it',
-        True,
-    ]
+    assert [constant.value for constant in definition.constants] == [0.5, '"kg" # all of it', True]

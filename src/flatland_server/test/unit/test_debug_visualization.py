@@ -1,7 +1,6 @@
 """When markers of models are made, sent and forgotten, with stand-ins for rospy's publishers."""
 
 from dataclasses import replace
-from io import BytesIO
 
 import pytest
 import rospy
@@ -9,6 +8,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from flatland_server import Circle, Pose
 from flatland_server.messages.model_markers import ModelMarkers
+from flatland_server.messages.wire_form import serialized
 from flatland_server.ros.debug_visualization import DebugVisualization
 from flatland_server.ros.rospy_patches import RospyCalls
 
@@ -36,9 +36,7 @@ class Publisher:
 
 
 def markers(message):
-    buffer = BytesIO()
-    message.serialize(buffer)
-    return MarkerArray().deserialize(buffer.getvalue()).markers
+    return MarkerArray().deserialize(serialized(message)).markers
 
 
 def actions(message):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from flatland_server import _core, squared_distances
+from flatland_server import _core
 
 CORNER, SIDE = (-3.3, 1.7), 0.07
 
@@ -96,6 +96,13 @@ def test_ends_are_those_of_many_draws_that_fit(start, goal):
     assert ours.random() == draws.random()
 
 
+def squared_distances(xs, ys, along_x, along_y):
+    """Of points from a segment: all are relative to one of its ends."""
+    square = along_x**2 + along_y**2 or 1.0
+    part = np.clip(along_x / square * xs + along_y / square * ys, 0.0, 1.0)
+    return (xs - part * along_x) ** 2 + (ys - part * along_y) ** 2
+
+
 def test_distances_from_walls_are_those_of_numpy():
     rng = np.random.default_rng(3)
     walls = np.concatenate([rng.uniform(-5, 20, (9, 4)), [[4, 4, 4, 4], [0, 9, 10, 9]]])
@@ -104,7 +111,7 @@ def test_distances_from_walls_are_those_of_numpy():
     expected = ours.copy()
     for x1, y1, x2, y2 in walls.tolist():
         x, y = xs + (CORNER[0] - x1), ys + (CORNER[1] - y1)
-        np.minimum(expected, squared_distances(x, y, (x2 - x1, y2 - y1)), out=expected)
+        np.minimum(expected, squared_distances(x, y, x2 - x1, y2 - y1), out=expected)
     _core.lower_to_walls(ours, walls, 3.0, CORNER, SIDE)
     np.testing.assert_array_equal(ours, expected)
     assert (ours < 9.0).mean() > 0.3

@@ -123,8 +123,7 @@ def test_a_polygon_that_is_not_convex_is_its_hull(files, caplog, points, corners
 
 def test_the_mass_of_crossed_points_is_that_of_the_hull(files):
     files.write(
-        "model.yaml",
-        model("{type: polygon, points: [[0, 0], [2, 1], [2, 0], [0, 1]], density: 3}"),
+        "model.yaml", model("{type: polygon, points: [[0, 0], [2, 1], [2, 0], [0, 1]], density: 3}")
     )
     world_of_it = files.load(world())
 

@@ -20,7 +20,7 @@ from flatland_server.messages import message, message_types, times
 from flatland_server.messages.definition import NUMBERS, FieldType
 from flatland_server.messages.message_types import MessageTypes
 from flatland_server.messages.standard_definitions import standard_definitions
-from flatland_server.testing.observation import serialized
+from flatland_server.messages.wire_form import serialized
 
 FLATLAND_MSGS = Path(__file__).resolve().parents[3] / "flatland_msgs" / "msg"
 NAMES = [

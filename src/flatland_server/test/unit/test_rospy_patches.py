@@ -3,7 +3,6 @@
 import ast
 import importlib
 from functools import reduce
-from io import BytesIO
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Iterator, List, Tuple
@@ -12,6 +11,7 @@ import pytest
 import rospy
 from rosgraph_msgs.msg import Clock
 
+from flatland_server.messages.wire_form import serialized
 from flatland_server.ros import rospy_patches
 from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.ros_transport import RosTransport
@@ -154,9 +154,8 @@ def publisher(monkeypatch) -> Iterator[SimpleNamespace]:
 
 def frame(message: Clock) -> bytes:
     """A message as on a TCPROS connection, serialized by ROS's own code."""
-    buffer = BytesIO()
-    message.serialize(buffer)
-    return LENGTH.pack(len(buffer.getvalue())) + buffer.getvalue()
+    data = serialized(message)
+    return LENGTH.pack(len(data)) + data
 
 
 @pytest.mark.parametrize("is_patched", [False, True])

@@ -10,7 +10,7 @@ from without_ros import run_without_ros
 from flatland_server import _core
 from flatland_server.geometry import Pose, Transform, quaternion
 from flatland_server.messages.serialized_markers import MovingMarkers, array_of, serialized
-from flatland_server.testing.observation import serialized as sent
+from flatland_server.messages.wire_form import serialized as sent
 from flatland_server.transport.serialized_transforms import SerializedFrames, TransformQueue
 
 

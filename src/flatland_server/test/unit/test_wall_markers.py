@@ -1,6 +1,5 @@
 """The walls of a layer as markers, serialized by us and deserialized by ROS's own code."""
 
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +8,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from flatland_server.messages.serialized_markers import LazyMarkerArray, array_of
 from flatland_server.messages.wall_markers import flat_walls, upright_walls
+from flatland_server.messages.wire_form import serialized
 from flatland_server.models.layer import LayerConfig
 
 COLOR = (0.25, 0.5, 0.75, 1.0)
@@ -20,9 +20,7 @@ def config(min_z=0.0, max_z=1.0):
 
 
 def received(message):
-    buffer = BytesIO()
-    message.serialize(buffer)
-    return MarkerArray().deserialize(buffer.getvalue()).markers
+    return MarkerArray().deserialize(serialized(message)).markers
 
 
 def corners(marker):

@@ -116,11 +116,7 @@ class Menus(QObject):
         )
         menu.addSeparator()
         self._action(
-            menu,
-            "Save s&creenshot...",
-            "action_screenshot",
-            self.screenshot_asked.emit,
-            "Ctrl+P",
+            menu, "Save s&creenshot...", "action_screenshot", self.screenshot_asked.emit, "Ctrl+P"
         )
         self._action(
             menu, "Show the &whole world", "action_reset_view", self.reset_asked.emit, "Home"

@@ -88,14 +88,7 @@ class ModelActions(QObject):
     @property
     def all(self) -> Tuple[QAction, ...]:
         """The actions that concern the selected model."""
-        return (
-            self.follow,
-            self.drive,
-            self.copy_pose,
-            self.move_to,
-            self.duplicate,
-            self.delete,
-        )
+        return (self.follow, self.drive, self.copy_pose, self.move_to, self.duplicate, self.delete)
 
     def fill(self, menu: QMenu) -> None:
         """Adds the actions to a menu."""

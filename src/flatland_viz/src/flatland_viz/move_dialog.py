@@ -3,12 +3,7 @@
 import math
 from typing import Tuple
 
-from python_qt_binding.QtWidgets import (
-    QDialog,
-    QDialogButtonBox,
-    QFormLayout,
-    QWidget,
-)
+from python_qt_binding.QtWidgets import QDialog, QDialogButtonBox, QFormLayout, QWidget
 
 from flatland_viz.number_field import NumberField
 

@@ -22,11 +22,7 @@ class WorldSaving(QObject):
     """
 
     def __init__(
-        self,
-        window: QMainWindow,
-        server: Server,
-        menus: Menus,
-        has_edited: Callable[[], bool],
+        self, window: QMainWindow, server: Server, menus: Menus, has_edited: Callable[[], bool]
     ) -> None:
         super().__init__(window)
         self._window = window

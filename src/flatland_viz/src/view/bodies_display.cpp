@@ -5,7 +5,6 @@
 #include <OgreSceneNode.h>
 #include <rviz/display_context.h>
 #include <rviz/frame_manager.h>
-#include <rviz/properties/ros_topic_property.h>
 #include <rviz/view_manager.h>
 
 #include <pluginlib/class_list_macros.hpp>
@@ -61,28 +60,13 @@ struct BodiesDisplay::Body {
 };
 
 BodiesDisplay::BodiesDisplay()
-    : topic_(new rviz::RosTopicProperty(
-          "Topic", "", ros::message_traits::datatype<visualization_msgs::MarkerArray>(),
-          "A topic with the markers of all models.", this, SLOT(Resubscribe()), this)) {}
+    : TopicDisplay(ros::message_traits::datatype<visualization_msgs::MarkerArray>(),
+                   "A topic with the markers of all models.") {}
 
 BodiesDisplay::~BodiesDisplay() { subscriber_.shutdown(); }
 
-void BodiesDisplay::onEnable() { Resubscribe(); }
-
-void BodiesDisplay::onDisable() {
-  subscriber_.shutdown();
-  bodies_.clear();
-}
-
-void BodiesDisplay::Resubscribe() {
-  onDisable();
-  if (!isEnabled() || topic_->getTopicStd().empty()) return;
-  try {
-    subscriber_ = update_nh_.subscribe(topic_->getTopicStd(), 10, &BodiesDisplay::Show, this);
-    setStatus(rviz::StatusProperty::Ok, "Topic", "OK");
-  } catch (const ros::Exception& error) {
-    setStatus(rviz::StatusProperty::Error, "Topic", error.what());
-  }
+ros::Subscriber BodiesDisplay::Subscribe(const std::string& topic) {
+  return update_nh_.subscribe(topic, 10, &BodiesDisplay::Show, this);
 }
 
 void BodiesDisplay::Show(const visualization_msgs::MarkerArray::ConstPtr& message) {

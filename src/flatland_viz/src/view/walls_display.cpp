@@ -6,7 +6,6 @@
 #include <OgreViewport.h>
 #include <rviz/display_context.h>
 #include <rviz/frame_manager.h>
-#include <rviz/properties/ros_topic_property.h>
 #include <rviz/render_panel.h>
 #include <rviz/view_manager.h>
 
@@ -106,9 +105,8 @@ struct WallsDisplay::Layer {
 };
 
 WallsDisplay::WallsDisplay()
-    : topic_(new rviz::RosTopicProperty(
-          "Topic", "", ros::message_traits::datatype<flatland_msgs::Walls>(),
-          "A topic with the walls of all layers.", this, SLOT(Resubscribe()), this)),
+    : TopicDisplay(ros::message_traits::datatype<flatland_msgs::Walls>(),
+                   "A topic with the walls of all layers."),
       progress_(new rviz::Property("Progress", 100, "Percent of the walls that are shown.", this)),
       bounds_(new rviz::Property("Bounds", "", "Least x and y, greatest x and y [m].", this)) {
   for (rviz::Property* property : {progress_, bounds_}) {
@@ -119,23 +117,8 @@ WallsDisplay::WallsDisplay()
 
 WallsDisplay::~WallsDisplay() { subscriber_.shutdown(); }
 
-void WallsDisplay::onEnable() { Resubscribe(); }
-
-void WallsDisplay::onDisable() {
-  subscriber_.shutdown();
-  Clear();
-}
-
-void WallsDisplay::Resubscribe() {
-  subscriber_.shutdown();
-  Clear();
-  if (!isEnabled() || topic_->getTopicStd().empty()) return;
-  try {
-    subscriber_ = threaded_nh_.subscribe(topic_->getTopicStd(), 1, &WallsDisplay::Receive, this);
-    setStatus(rviz::StatusProperty::Ok, "Topic", "OK");
-  } catch (const ros::Exception& error) {
-    setStatus(rviz::StatusProperty::Error, "Topic", error.what());
-  }
+ros::Subscriber WallsDisplay::Subscribe(const std::string& topic) {
+  return threaded_nh_.subscribe(topic, 1, &WallsDisplay::Receive, this);
 }
 
 void WallsDisplay::Clear() {

@@ -4,18 +4,14 @@
 
 #include <OgreMaterial.h>
 #include <flatland_msgs/Walls.h>
-#include <ros/subscriber.h>
-#include <rviz/display.h>
 
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <vector>
 
-namespace rviz {
-class Property;
-class RosTopicProperty;
-}  // namespace rviz
+#include "topic_display.hpp"
 
 namespace flatland_viz {
 
@@ -28,8 +24,7 @@ class WallLines;
 /// portions: the view stays usable meanwhile.
 ///
 /// Walls stay when simulated time goes back, as they do not depend on it.
-class WallsDisplay : public rviz::Display {
-  Q_OBJECT
+class WallsDisplay : public TopicDisplay {
  public:
   WallsDisplay();
   ~WallsDisplay() override;
@@ -37,26 +32,20 @@ class WallsDisplay : public rviz::Display {
   void update(float wall_dt, float ros_dt) override;
 
  protected:
-  void onEnable() override;
-  void onDisable() override;
-
- private Q_SLOTS:
-  void Resubscribe();
+  ros::Subscriber Subscribe(const std::string& topic) override;
+  void Clear() override;
 
  private:
   /// The walls of a layer that are shown.
   struct Layer;
 
-  void Clear();
   void Receive(const flatland_msgs::Walls::ConstPtr& message);
   void BeginShowing();
   void ShowMore();
   void Place();
 
-  rviz::RosTopicProperty* topic_;
   rviz::Property* progress_;  // percent of the walls that are shown
   rviz::Property* bounds_;    // "min_x min_y max_x max_y" of the walls [m]; empty without walls
-  ros::Subscriber subscriber_;
   std::mutex mutex_;
   /// A message, and for each of its layers the corners of triangles within its outlines, and the
   /// ends of those lines that are drawn; none: all.

@@ -42,10 +42,7 @@ def test_the_belief_begins_where_the_robot_is():
     trails.believe("r1", 0.0, (10.0, 0.0, 0.0))
     trails.believe("r1", 1.0, (11.0, 0.0, 0.0))
 
-    assert trails.belief_of("r1").points == [
-        pytest.approx((2.0, 3.0)),
-        pytest.approx((2.0, 4.0)),
-    ]
+    assert trails.belief_of("r1").points == [pytest.approx((2.0, 3.0)), pytest.approx((2.0, 4.0))]
     trails.believe("r2", 1.0, (0.0, 0.0, 0.0))  # not seen yet
     assert trails.belief_of("r1").points == trails.belief_of("r2").points == []
 

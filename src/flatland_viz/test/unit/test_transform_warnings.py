@@ -9,11 +9,7 @@ def test_a_warning_that_goes_on_is_reported_once_a_second_with_its_number():
     for hundredth in range(250):
         warnings.note("repeated: odom", 100.0 + hundredth / 100)
     warnings.note("repeated: base", 102.4)
-    assert reports == [
-        ("repeated: odom", 20),
-        ("repeated: odom", 100),
-        ("repeated: odom", 100),
-    ]
+    assert reports == [("repeated: odom", 20), ("repeated: odom", 100), ("repeated: odom", 100)]
 
 
 def test_a_warning_that_comes_no_more_has_ended():

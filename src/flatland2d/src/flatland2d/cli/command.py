@@ -9,17 +9,7 @@ import os
 import sys
 from typing import List, Optional
 
-from flatland2d.cli import (
-    check,
-    map_to_lines,
-    recover,
-    render,
-    run,
-    serve,
-    sweep,
-    view,
-    worlds,
-)
+from flatland2d.cli import check, map_to_lines, recover, render, run, serve, sweep, view, worlds
 from flatland2d.cli.completion import SHELLS, PrintCompletion
 from flatland_server._core import __version__
 from flatland_server.exceptions import FlatlandError, YamlError

@@ -22,10 +22,7 @@ from flatland_server.transport.transport import Transport
 
 
 def plugin_problems(
-    path: Path,
-    preprocessor: YamlPreprocessor,
-    model_folders: Sequence[Path],
-    transport: Transport,
+    path: Path, preprocessor: YamlPreprocessor, model_folders: Sequence[Path], transport: Transport
 ) -> List[Problem]:
     """The problems of the plugins of a model, or of all models of a world.
 

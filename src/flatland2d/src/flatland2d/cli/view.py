@@ -2,13 +2,7 @@
 
 import argparse
 
-from flatland2d.cli.arguments import (
-    Subparsers,
-    add_world,
-    open_simulation,
-    positive,
-    size,
-)
+from flatland2d.cli.arguments import Subparsers, add_world, open_simulation, positive, size
 from flatland2d.viewer.keys import help_lines
 from flatland2d.viewer.viewer import Viewer
 

@@ -95,10 +95,7 @@ class View:
         scale = min(max(self.scale * factor, _SCALES[0]), _SCALES[1])
         x, y = self.position(pixel)
         return replace(
-            self,
-            left=round(x * scale - pixel[0]),
-            top=round(-y * scale - pixel[1]),
-            scale=scale,
+            self, left=round(x * scale - pixel[0]), top=round(-y * scale - pixel[1]), scale=scale
         )
 
     def centered(self, center: Point) -> "View":

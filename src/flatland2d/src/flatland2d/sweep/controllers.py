@@ -26,11 +26,7 @@ POLICY_DRIVER = "flatland_gym.sweep_policy:drive"
 
 ControllerFunction = Callable[..., Any]
 
-_NOT_CALLED = (
-    inspect.isgeneratorfunction,
-    inspect.iscoroutinefunction,
-    inspect.isasyncgenfunction,
-)
+_NOT_CALLED = (inspect.isgeneratorfunction, inspect.iscoroutinefunction, inspect.isasyncgenfunction)
 """Tests for generators and coroutines: functions that do nothing when they are only called."""
 
 

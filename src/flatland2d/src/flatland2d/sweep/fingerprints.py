@@ -14,12 +14,7 @@ from pathlib import Path
 from typing import Any, Dict, List, Mapping, Set
 
 from flatland2d.simulation import Simulation
-from flatland2d.sweep.controllers import (
-    arguments_of,
-    find_controller,
-    policy_file,
-    python_file,
-)
+from flatland2d.sweep.controllers import arguments_of, find_controller, policy_file, python_file
 from flatland2d.sweep.parameters import (
     SweepWorlds,
     is_for_controller,

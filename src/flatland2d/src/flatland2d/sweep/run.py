@@ -60,13 +60,7 @@ METRICS = (
 )
 """The measured values of each scenario, in the order of the table's columns."""
 
-SCORED = (
-    "contacts",
-    "speed_change",
-    "turn_change",
-    "localization_error",
-    "max_localization_error",
-)
+SCORED = ("contacts", "speed_change", "turn_change", "localization_error", "max_localization_error")
 """The metrics that a `GoalScore` has."""
 
 

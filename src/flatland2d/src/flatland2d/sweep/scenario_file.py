@@ -5,13 +5,7 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, TypeVar
 
 from flatland2d.sweep.controllers import POLICY_DRIVER, python_file
 from flatland2d.sweep.parameters import combinations, count_combinations, world_file
-from flatland2d.sweep.settings import (
-    RANDOM,
-    Controller,
-    SweepSettings,
-    SweepWorld,
-    Task,
-)
+from flatland2d.sweep.settings import RANDOM, Controller, SweepSettings, SweepWorld, Task
 from flatland_server.arguments import steps_in
 from flatland_server.config.input_files import is_file
 from flatland_server.config.yaml_reader import YamlReader

@@ -20,11 +20,7 @@ def load(*bodies, joints=(), step_size, iterations):
     """A simulation of one model, and its last body."""
     properties = dict.fromkeys(("velocity_iterations", "position_iterations"), iterations)
     model = {"bodies": list(bodies), "joints": list(joints)}
-    content = {
-        "properties": properties,
-        "layers": [],
-        "models": [{"name": "it", "model": model}],
-    }
+    content = {"properties": properties, "layers": [], "models": [{"name": "it", "model": model}]}
     sim = Simulation(content, step_size=step_size)
     return sim, sim.models["it"].model.bodies[bodies[-1]["name"]].physics_body
 
@@ -60,11 +56,7 @@ def test_damping_is_less_than_exponential_by_the_step(step_size, iterations):
 
 @pytest.mark.parametrize(
     ("post", "shape", "least", "most"),
-    [
-        (BOX, BOX, 0.0145, 0.0205),
-        (BOX, CIRCLE, 0.0045, 0.0105),
-        (CIRCLE, CIRCLE, -0.0055, 0.0005),
-    ],
+    [(BOX, BOX, 0.0145, 0.0205), (BOX, CIRCLE, 0.0045, 0.0105), (CIRCLE, CIRCLE, -0.0055, 0.0005)],
 )
 def test_polygons_in_contact_keep_a_distance_and_circles_overlap(
     post, shape, least, most, step_size, iterations

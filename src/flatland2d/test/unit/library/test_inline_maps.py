@@ -8,9 +8,7 @@ from flatland2d import FlatlandError, Simulation, SimulationBatch, world_content
 from flatland_server.testing import WorldFiles
 
 ROBOT = {
-    "bodies": [
-        {"name": "base", "footprints": [{"type": "circle", "radius": 0.2, "density": 10}]},
-    ],
+    "bodies": [{"name": "base", "footprints": [{"type": "circle", "radius": 0.2, "density": 10}]}],
     "plugins": [
         {"type": "DiffDrive", "name": "drive", "body": "base"},
         {

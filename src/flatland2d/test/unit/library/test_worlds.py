@@ -98,21 +98,12 @@ def test_what_happens_to_a_dict_later_does_not_matter(world):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (
-            {"models": [{"name": "a", "model": "no.yaml"}]},
-            r"^world: models\[0\].model: expect",
-        ),
+        ({"models": [{"name": "a", "model": "no.yaml"}]}, r"^world: models\[0\].model: expect"),
         ({"modles": []}, r'^world: unknown key "modles" \(did you mean "models"\?\)'),
-        (
-            {"layers": [{"name": "a", "color": [1, 0]}]},
-            r"^world: layers\[0\].color: expected \[",
-        ),
+        ({"layers": [{"name": "a", "color": [1, 0]}]}, r"^world: layers\[0\].color: expected \["),
         ({"models": [{"name": object()}]}, r"^world: models\[0\].name: expected numbers, strings,"),
         ({"models": {1: 2}}, "^world: models: expected a string as a key, found 1"),
-        (
-            {"models": [{"name": "a", "model": {}}]},
-            r"models\[0\].model: the required key",
-        ),
+        ({"models": [{"name": "a", "model": {}}]}, r"models\[0\].model: the required key"),
     ],
 )
 def test_what_is_wrong_in_a_dict_is_named_by_its_place(change, message):

@@ -25,11 +25,7 @@ WRONG = [
     ),
     (lambda sim: sim.move("bx", [0, 0, 0]), ModelError, r'"bx" \(did you mean "box"\?\)'),
     (lambda sim: sim.delete("bx"), ModelError, 'there is no model "bx"'),
-    (
-        lambda sim: sim.move("box", [0, 0]),
-        UsageError,
-        r"expected a pose \[x, y, yaw\], found \[0",
-    ),
+    (lambda sim: sim.move("box", [0, 0]), UsageError, r"expected a pose \[x, y, yaw\], found \[0"),
     (lambda sim: sim.move("box", "here"), UsageError, "found 'here'"),
     (lambda sim: sim.move("box", None), UsageError, "found None"),
     (lambda sim: sim.move("box", [0, math.nan, 0]), ModelError, "expected a finite pose, found"),

@@ -43,10 +43,7 @@ class _Field(NamedTuple):
 
 
 def wire_form(
-    definition: Definition,
-    definition_of: Definitions,
-    types: Types,
-    factory: Factory,
+    definition: Definition, definition_of: Definitions, types: Types, factory: Factory
 ) -> WireForm:
     """The wire form of a type.
 

@@ -49,9 +49,7 @@ def walls_of(layers: List[Tuple[LayerConfig, Segments]], frame_id: str) -> LazyW
         for config, segments in layers:
             # Without segments, their number is the last field.
             LayerWalls(
-                name=config.names[0],
-                color=ColorRGBA(*config.color),
-                encloses=config.encloses,
+                name=config.names[0], color=ColorRGBA(*config.color), encloses=config.encloses
             ).serialize(buff)
             buff.seek(-_LENGTH.size, 1)
             buff.write(_LENGTH.pack(segments.size))

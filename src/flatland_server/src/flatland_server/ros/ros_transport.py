@@ -88,12 +88,7 @@ class RosTransport(ThreadCalls, Transport):
         # more: after a thousand resets, a subscriber would be counted a thousand times.
         counter = self._subscriber_counter if name not in self.publisher_counts else None
         publisher = rospy.Publisher(
-            topic,
-            message_type,
-            counter,
-            latch=latch,
-            queue_size=queue_size,
-            tcp_nodelay=True,
+            topic, message_type, counter, latch=latch, queue_size=queue_size, tcp_nodelay=True
         )
         self.publisher_counts[name] += 1
         return _RosPublisher(self, publisher, name)

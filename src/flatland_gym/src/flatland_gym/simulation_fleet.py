@@ -1,0 +1,237 @@
+"""Fleets of simulations, each stepped by itself: for every plugin, and for single environments."""
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import Callable, Dict, Iterable, List, Optional, Sequence
+
+import numpy as np
+
+from flatland2d import BatchObservation, PluginError, Simulation
+from flatland_gym.episodes import Episode
+from flatland_gym.fleet import BatchFleet, Fleet, Motions
+from flatland_gym.navigation_world import NavigationWorld, parking_place
+from flatland_gym.settings import NavigationSettings
+from flatland_server import Body, BoolArray, FloatArray, IntArray, ModelPlugin
+
+_ONLY = np.array([0])
+
+
+class RobotSimulation(Fleet):
+    """A single `Simulation` with one robot or several, each with a row.
+
+    Works with every plugin, and with models that move.
+    """
+
+    _simulation: Optional[Simulation] = None  # made with the seed of the first episode
+
+    def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
+        world, (episode,) = self._world, episodes
+        if self._simulation is None:
+            self._simulation = self._open(episode.seed)
+        else:
+            self._simulation.reset(episode.seed)
+        for name, pose in (*zip(world.robots, episode.starts), *episode.places.items()):
+            self._simulation.move(name, pose)
+        self._begin(self._simulation)
+
+    def save_states(self, indices: IntArray) -> List[bytes]:
+        return [self.simulation(0).save_state() for _ in indices]
+
+    def load_states(self, indices: IntArray, states: Sequence[bytes]) -> None:
+        if self._simulation is None:
+            self._simulation = self._open(0)
+        self._begin(self._simulation.load_state(*states))
+
+    def _open(self, seed: int) -> Simulation:
+        settings = self._settings
+        return Simulation(
+            self._world.config, seed=seed, step_size=settings.step_size, params=settings.params
+        )
+
+    def _begin(self, simulation: Simulation) -> None:
+        """Looks up the robots, which are new objects, and what they measure."""
+        world = self._world
+        self._numbers = {name: number for number, name in enumerate(world.robots)}
+        self._physics = simulation.world.physics
+        robots = [simulation.models[name] for name in world.robots]
+        self._bodies: List[Body] = [robot.model.base.physics_body for robot in robots]
+        self._drives: List[ModelPlugin] = [robot.plugin(world.robot.drive) for robot in robots]
+        self._lidars: List[ModelPlugin] = [robot.plugin(world.robot.lidar) for robot in robots]
+        rows = self._rows
+        self._views = list(zip(rows.ranges, rows.poses, rows.local_velocities))
+        rows.collided[:] = False
+        self._look(range(len(robots)))
+
+    def is_blocked(self, index: int, episode: Episode) -> bool:
+        config = self._world.config
+        added = [
+            layer.segments[len(config.walls_of(layer.config)) :]
+            for layer in self.simulation(index).world.layers
+        ]
+        return episode.is_near(np.concatenate([np.empty((0, 4)), *added]), self._room)
+
+    def step(self, actions: FloatArray, indices: IntArray) -> None:
+        self.drive(indices.tolist(), actions[indices].tolist())
+
+    def drive(self, numbers: Sequence[int], commands: Sequence[Sequence[float]]) -> None:
+        """Makes a step of the environment with some robots.
+
+        Args:
+            numbers: of the robots' rows.
+            commands: of each of these robots; finite.
+        """
+        simulation, collided = self.simulation(0), self._rows.collided
+        for number, command in zip(numbers, commands):
+            self._drives[number].command(*command)
+        collided[:] = False
+        for _ in range(self._settings.frame_skip):
+            simulation.step()
+            if not self._physics.touches:  # in most steps; quicker than `contacts`
+                continue
+            for touch in simulation.contacts:
+                if touch.points and touch.model_a != touch.model_b:
+                    for name in (touch.model_a, touch.model_b):
+                        if name in self._numbers:
+                            collided[self._numbers[name]] = True
+        self._look(numbers)
+
+    def retire(self, indices: IntArray, leaving: BoolArray) -> None:
+        zeros = [0.0] * len(self._world.robot.action_limits)
+        for number in indices.tolist():
+            self._drives[number].command(*zeros)
+            if leaving[number]:
+                self.simulation(0).move(self._world.robots[number], parking_place(-1 - number))
+
+    def simulation(self, index: int) -> Simulation:
+        assert self._simulation is not None  # there is one from the first episode on
+        return self._simulation
+
+    def motions(self, indices: IntArray) -> Motions:
+        simulation = self.simulation(0)
+        names = list(simulation.models)
+        columns = [names.index(name) for name in self._world.others]
+        poses, velocities = (
+            np.repeat(rows[None, columns], len(indices), axis=0)
+            for rows in (simulation.poses, simulation.velocities)
+        )
+        return poses, velocities
+
+    def close(self) -> None:
+        if self._simulation is not None:
+            self._simulation.close()
+
+    def _look(self, numbers: Sequence[int]) -> None:
+        """Writes the measurements of some robots."""
+        timekeeper = self.simulation(0).timekeeper
+        for number in numbers:
+            ranges, pose, velocity = self._views[number]
+            ranges[:] = self._lidars[number].read(timekeeper)
+            self._bodies[number].read_motion(pose, velocity)
+
+
+class SimulationFleet(Fleet):
+    """A `RobotSimulation` at each place, made when it is first needed.
+
+    Args:
+        world: that is simulated.
+        settings: of the environment.
+        rows: what the robots measure.
+        threads: how many places are stepped at a time.
+    """
+
+    def __init__(
+        self,
+        world: NavigationWorld,
+        settings: NavigationSettings,
+        rows: BatchObservation,
+        threads: int = 1,
+    ) -> None:
+        super().__init__(world, settings, rows)
+        self._places: Dict[int, RobotSimulation] = {}
+        self._threads = min(threads, len(rows.poses) // self._team)
+        self._pool: Optional[ThreadPoolExecutor] = None
+        if self._threads > 1:
+            self._pool = ThreadPoolExecutor(self._threads, thread_name_prefix="flatland_gym")
+
+    def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
+        chosen = dict(zip(indices.tolist(), episodes))
+        self._make_places(chosen)
+        self._each(lambda index: self._places[index].reset(_ONLY, [chosen[index]]), list(chosen))
+
+    def is_blocked(self, index: int, episode: Episode) -> bool:
+        return self._places[index].is_blocked(0, episode)
+
+    def step(self, actions: FloatArray, indices: IntArray) -> None:
+        numbers = self._by_place(indices)
+        self._each(
+            lambda place: self._places[place].step(actions[self._rows_of(place)], numbers[place]),
+            list(numbers),
+        )
+
+    def retire(self, indices: IntArray, leaving: BoolArray) -> None:
+        for place, numbers in self._by_place(indices).items():
+            self._places[place].retire(numbers, leaving[self._rows_of(place)])
+
+    def save_states(self, indices: IntArray) -> List[bytes]:
+        return [self._places[index].save_states(_ONLY)[0] for index in indices.tolist()]
+
+    def load_states(self, indices: IntArray, states: Sequence[bytes]) -> None:
+        chosen = dict(zip(indices.tolist(), states))
+        self._make_places(chosen)
+        self._each(
+            lambda index: self._places[index].load_states(_ONLY, [chosen[index]]), list(chosen)
+        )
+
+    def simulation(self, index: int) -> Simulation:
+        return self._places[index].simulation(0)
+
+    def motions(self, indices: IntArray) -> Motions:
+        places = (indices // self._team).tolist()
+        found = [self._places[place].motions(_ONLY) for place in places]
+        poses, velocities = (np.concatenate(arrays) for arrays in zip(*found))
+        return poses, velocities
+
+    def close(self) -> None:
+        for place in self._places.values():
+            place.close()
+        if self._pool is not None:
+            self._pool.shutdown()
+
+    def _rows_of(self, place: int) -> slice:
+        """The rows of a place's robots."""
+        return slice(place * self._team, (place + 1) * self._team)
+
+    def _by_place(self, indices: IntArray) -> Dict[int, IntArray]:
+        """The numbers of robots in their places, from their rows."""
+        places = indices // self._team
+        first = np.flatnonzero(np.diff(places, prepend=-1))
+        numbers = np.split(indices % self._team, first[1:])
+        return dict(zip(places[first].tolist(), numbers))
+
+    def _make_places(self, indices: Iterable[int]) -> None:
+        for index in set(indices) - self._places.keys():
+            row = BatchObservation._make(array[self._rows_of(index)] for array in self._rows)
+            self._places[index] = RobotSimulation(self._world, self._settings, row)
+
+    def _each(self, do: Callable[[int], None], indices: List[int]) -> None:
+        """Calls a function with each index, on all threads."""
+
+        def do_all(part: List[int]) -> None:
+            for index in part:
+                do(index)
+
+        if self._pool is None or len(indices) < 2:
+            do_all(indices)
+            return
+        parts = [indices[start :: self._threads] for start in range(self._threads)]
+        for _ in self._pool.map(do_all, parts):  # raises the exceptions of the parts
+            pass
+
+
+def make_fleet(
+    world: NavigationWorld, settings: NavigationSettings, rows: BatchObservation, threads: int
+) -> Fleet:
+    """The fastest fleet for a world."""
+    try:
+        return BatchFleet(world, settings, rows, threads)
+    except PluginError:
+        return SimulationFleet(world, settings, rows, threads)
