@@ -9,13 +9,13 @@ import math
 from dataclasses import dataclass, replace
 from itertools import groupby
 from operator import attrgetter
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
 from flatland2d import Point, Pose, UsageError
 from flatland2d.free_space import Circle, Circles
-from flatland_gym.navigation_world import Disc, NavigationWorld, parking_place
+from flatland_gym.navigation_world import NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings
 from flatland_server import Segments, from_segments
 
