@@ -29,12 +29,13 @@ void Place(b2Body& body, const Pose& pose);
 void WakeBodiesNear(const b2Body& body);
 
 /// Sets the velocity of a body's origin, in the world's frame. Box2D stores that of the centre of
-/// mass, which most bodies have at their origin: the sum below is then the velocity itself, up to
-/// the sign of a zero.
+/// mass, which most bodies have at their origin: the sum below is then the velocity itself, but
+/// perhaps for the sign of -0.
 inline void SetOriginVelocity(b2Body& body, const Twist& velocity) {
   Vec2 linear{velocity.vx, velocity.vy};
   const b2Vec2 center = body.GetLocalCenter();
-  if (center != b2Vec2_zero || linear.x == 0.0 || linear.y == 0.0) {
+  const auto is_negative_zero = [](double v) { return v == 0.0 && std::signbit(v); };
+  if (center != b2Vec2_zero || is_negative_zero(linear.x) || is_negative_zero(linear.y)) {
     const Vec2 arm = Rotation(body.GetAngle()).Apply(FromBox2D(center));
     linear = linear + velocity.omega * Vec2{-arm.y, arm.x};
   }
