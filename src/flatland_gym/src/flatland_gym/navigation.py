@@ -82,7 +82,7 @@ class Navigation:
         self._others = tuple(dict.fromkeys(n for world in self._worlds for n in world.others))
         self._radii = np.array([world.radii(self._others) for world in self._worlds])
         self._sampler = EpisodeSampler(self._worlds, settings)
-        self._options: Dict[str, Any] = {}
+        self.options = {}
         self._fleets: Dict[int, Fleet] = {}
         self._threads = threads
         self._is_single = robots is not None and count == 1
@@ -110,8 +110,8 @@ class Navigation:
     @options.setter
     def options(self, options: Optional[Mapping[str, Any]]) -> None:
         found = options_of(options)
-        self._sampler.choice(found)
-        self._options = found
+        self._choice = self._sampler.choice(found)
+        self._options: Dict[str, Any] = found
 
     def reset(
         self,
@@ -129,19 +129,20 @@ class Navigation:
         Raises:
             UsageError: an option is wrong. The environments are as before.
         """
-        merged = {**self._options, **options_of(options)}
-        choice = self._sampler.choice(merged)
-        states = [generator.bit_generator.state for generator in generators] if merged else []
+        given, choice = options_of(options), self._choice
+        if given:
+            choice = self._sampler.choice({**self._options, **given})
+        may_fail = given or self._options
+        states = [generator.bit_generator.state for generator in generators] if may_fail else []
         try:
             episodes = [self._sampler.draw(generator, choice) for generator in generators]
         except UsageError:
             for generator, state in zip(generators, states):
                 generator.bit_generator.state = state
             raise
-        drawn = np.array([episode.world for episode in episodes])
-        for world in np.unique(drawn).tolist():
-            chosen = np.flatnonzero(drawn == world)
-            self._fleet(world).reset(indices[chosen], [episodes[k] for k in chosen.tolist()])
+        for world in sorted({episode.world for episode in episodes}):
+            chosen = [k for k, episode in enumerate(episodes) if episode.world == world]
+            self._fleet(world).reset(indices[chosen], [episodes[k] for k in chosen])
         for number, index in enumerate(indices.tolist()):
             tries = 1
             while self._fleet(episodes[number].world).is_blocked(index, episodes[number]):
