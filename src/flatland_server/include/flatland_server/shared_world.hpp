@@ -9,8 +9,8 @@
 /// byte by byte: Box2D's bodies that may move, the boxes of their fixtures, and joints; the heads
 /// of the lists of contacts, which stay where they are; drives, tweens and crowds. The objects stay
 /// at their places, so all pointers between them stay right. Box2D's tree of bounding boxes has a
-/// node for each wall, of which few change: those that have are exchanged (shared_tree.hpp); all, if
-/// many of them are of bodies that move. So a state makes, bit for bit, the steps that a World of
+/// node for each wall, of which few change: those that have are exchanged (shared_tree.hpp), or
+/// all, if many are of bodies that move. So a state makes, bit for bit, the steps that a World of
 /// its own makes.
 
 #include <cstddef>

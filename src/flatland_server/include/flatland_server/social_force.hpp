@@ -32,13 +32,14 @@ struct Obstacle {
   Vec2 away;
 };
 
-/// People, with an array for each number, so that several are computed at a time.
+/// People, with an array for each number, so that several are computed at a time: arrays go on
+/// behind the last person, with numbers that do not matter.
 struct Walkers {
   void Resize(size_t count);
   void Set(size_t index, Vec2 point, Vec2 velocity, double radius);
 
   size_t count = 0;
-  std::vector<double> x, y;    ///< [m]; behind the last one, some that are not used; as below
+  std::vector<double> x, y;    ///< [m]
   std::vector<double> vx, vy;  ///< [m/s]
   std::vector<double> radius;  ///< [m]
 };
@@ -67,8 +68,8 @@ struct SocialForce {
   /// where the preference epsilon b is added to theta beforehand. `velocity` is the person's own
   /// less that of the other [m/s].
   Vec2 Evade(const Obstacle& other, Vec2 velocity) const;
-  /// Finds those after a person among whom and that person there may be forces, in their order: for
-  /// the others behind it, Repel and Evade are zero.
+  /// Finds the indices above `index` of people between whom and that person there may be forces, in
+  /// ascending order. For those left out, Repel and Evade are zero.
   void FindNear(const Walkers& people, size_t index, std::vector<uint32_t>& near) const;
   /// The part of a deviation from the desired velocity that is left after `dt` [s].
   double LeftAfter(double dt) const;

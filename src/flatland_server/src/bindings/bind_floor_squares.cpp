@@ -103,8 +103,8 @@ void BindFloorSquares(py::module_& m) {
              double distance, int count, int tries) {
             RequireSquare(self);
             std::vector<std::optional<Triple>> poses;
-            for (const auto& pose : self.DrawClear(SourceOf(rng), ToDiscs(discs), radius, distance,
-                                                   count, tries)) {
+            for (const auto& pose :
+                 self.DrawClear(SourceOf(rng), ToDiscs(discs), radius, distance, count, tries)) {
               poses.push_back(pose ? std::optional(ToTuple(*pose)) : std::nullopt);
             }
             return poses;

@@ -24,12 +24,15 @@ double Bell(double factor, double angle) {
   return std::exp(-deviation * deviation);
 }
 
-/// Writes the indices of people, in arrays that have room for a group more; returns their number.
-/// `far` is the gap beyond which there is no repulsion [m].
+/// Writes what FindNear finds to an array with room for a group more than there are people; returns
+/// how many they are. `far` is the gap beyond which there is no repulsion [m].
 ///
-/// With the offset s of length d from the person to another, and the relative velocity w,
+/// With the offset s of length d from the person to another, and the relative velocity w, the D of
+/// Evade has
 ///
-///     d |D|^2 = d |lambda w + s / d|^2 = d (lambda^2 w^2 + 1) + 2 lambda w s.
+///     d |D|^2 = d |lambda w + s / d|^2 = d (lambda^2 w^2 + 1) + 2 lambda w s,
+///
+/// so that its reach is compared with the gap without a division, and with one root.
 FLATLAND_CLONES size_t FindNearIn(const Walkers& people, size_t index, double far, uint32_t* near) {
   constexpr double kReach = kFar * kReaction * kMargin;
   const double x = people.x[index], y = people.y[index], radius = people.radius[index];
@@ -49,7 +52,7 @@ FLATLAND_CLONES size_t FindNearIn(const Walkers& people, size_t index, double fa
       found += static_cast<size_t>(1 + is_far[k]);  // without a branch, which cannot be predicted
     }
   }
-  while (found > 0 && near[found - 1] >= people.count) --found;
+  while (found > 0 && near[found - 1] >= people.count) --found;  // behind the last person
   return found;
 }
 
