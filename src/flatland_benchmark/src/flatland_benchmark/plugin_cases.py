@@ -79,10 +79,9 @@ def _spinning_robot(
     rolls: bool = False,
 ) -> Simulation:
     """The office with a robot that turns on the spot, with or without plugins and wheels."""
-    disc = {"type": "circle", "radius": 0.2, "density": 1}
     wheels = _WHEELS if rolls else {}
     robot = {
-        "bodies": [{"name": name, "footprints": [disc]} for name in ("base", *wheels)],
+        "bodies": [_disc("base", 0.2), *(_disc(name, 0.05) for name in wheels)],
         "joints": [_joint(name, *wheel) for name, wheel in wheels.items()],
         "plugins": [plugin] if plugin else [],
     }
@@ -110,6 +109,10 @@ _WHEELS = {
     "left": ("weld", [-0.3, 0.2]),
     "right": ("weld", [-0.3, -0.2]),
 }
+
+
+def _disc(name: str, radius: float) -> Dict[str, Any]:
+    return {"name": name, "footprints": [{"type": "circle", "radius": radius, "density": 1}]}
 
 
 def _joint(name: str, type: str, anchor: Sequence[float]) -> Dict[str, Any]:
