@@ -43,7 +43,7 @@ joints:
     name: right_wheel_weld
     bodies: [{{name: right_wheel, anchor: [0, 0]}}, {{name: base_link, anchor: [0, -0.115]}}]
 plugins:
-  - {{type: DiffDrive, name: diff_drive, body: base_link}}
+  - {{type: DiffDrive, name: diff_drive, body: base_link, odom_frame_id: ~odom}}
   - {{type: ModelTfPublisher, name: tf_publisher}}
   - type: Laser
     name: laser

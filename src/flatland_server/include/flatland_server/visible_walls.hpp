@@ -80,9 +80,11 @@ class VisibleWalls {
   static constexpr uint32_t kUnknown = UINT32_MAX;
   static constexpr uint32_t kAllWalls = UINT32_MAX - 1;  ///< too many can be seen for a list
 
-  /// As many scans are made from a cell of a metre before the search for its walls begins, and as
-  /// many from one of half a metre. In an office about sixty more complete it.
-  static constexpr int kScansBefore = 32;
+  /// As many scans are made from a cell of a metre before the search for its walls begins, in
+  /// batches half of them, and as many from one of half a metre. In an office about sixty more
+  /// complete it.
+  static constexpr int kScansBefore = 64;
+  static constexpr int kScansBeforeInBatch = 32;
   static constexpr int kScansBeforeHalf = 384;
 
  private:
@@ -98,7 +100,7 @@ class VisibleWalls {
   };
 
   struct Grid {
-    Grid(const Box& bounds, double cell_size, int scans_before);
+    Grid(const Box& bounds, double cell_size, int scans_before, int scans_before_in_batch);
     /// The index of a point's cell, or -1.
     int CellAt(Vec2 point) const;
     /// A cell's box, a little wider.
@@ -106,7 +108,7 @@ class VisibleWalls {
 
     Vec2 origin;       // the bottom left corner of the cells [m]
     double cell_size;  // [m]
-    int scans_before;
+    int scans_before, scans_before_in_batch;
     int columns;
     int rows;
     std::unique_ptr<Cell[]> cells;

@@ -41,14 +41,15 @@ VisibleWalls::VisibleWalls(std::shared_ptr<const SegmentTree> walls) : walls_(st
   const Vec2 size = bounds.high - bounds.low;
   const double cell_size = std::max(
       {kCellSize, std::sqrt(size.x * size.y / kMaxCells), std::max(size.x, size.y) / kMaxCells});
-  grids_.emplace_back(bounds, cell_size, kScansBeforeHalf);
-  grids_.emplace_back(bounds, 2.0 * cell_size, kScansBefore);
+  grids_.emplace_back(bounds, cell_size, kScansBeforeHalf, kScansBeforeHalf);
+  grids_.emplace_back(bounds, 2.0 * cell_size, kScansBefore, kScansBeforeInBatch);
 }
 
-VisibleWalls::Grid::Grid(const Box& bounds, double size, int scans)
+VisibleWalls::Grid::Grid(const Box& bounds, double size, int scans, int scans_in_batch)
     : origin(bounds.low),
       cell_size(size),
       scans_before(scans),
+      scans_before_in_batch(scans_in_batch),
       columns(static_cast<int>((bounds.high.x - bounds.low.x) / size) + 1),
       rows(static_cast<int>((bounds.high.y - bounds.low.y) / size) + 1),
       cells(std::make_unique<Cell[]>(static_cast<size_t>(columns) * rows)) {}
@@ -104,10 +105,12 @@ const WallList* VisibleWalls::SeenFrom(const Grid& grid, Vec2 point, int effort)
   if (const WallList* const list = seen()) return list;
   int scans = cell.scans.load(std::memory_order_relaxed);
   if (scans == kGivenUp) return nullptr;
-  if (scans < grid.scans_before) {
+  const bool is_batch = effort == kWholeSearch;
+  if (const int before = is_batch ? grid.scans_before_in_batch : grid.scans_before;
+      scans < before) {
     const bool is_counted =
         cell.scans.compare_exchange_strong(scans, scans + 1, std::memory_order_relaxed);
-    if (!is_counted || scans + 1 < grid.scans_before) return nullptr;
+    if (!is_counted || scans + 1 < before) return nullptr;
     const std::lock_guard lock(mutex_);
     waiting_.push_back({&grid, index, nullptr});
   }

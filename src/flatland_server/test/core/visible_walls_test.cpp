@@ -215,7 +215,7 @@ TEST(VisibleWallsTest, AreFoundWhereManyScansAreMade) {
 TEST(VisibleWallsTest, AreFoundByOneScanThatMayMakeTheWholeSearch) {
   const VisibleWalls visible(std::make_shared<const SegmentTree>(HallAndRooms(1)));
   const Vec2 place{10.5, 10.5};
-  for (int i = 1; i < VisibleWalls::kScansBefore; ++i) {
+  for (int i = 1; i < VisibleWalls::kScansBeforeInBatch; ++i) {
     ASSERT_EQ(visible.SeenFrom(place, VisibleWalls::kWholeSearch), nullptr);
   }
   EXPECT_NE(visible.SeenFrom(place, VisibleWalls::kWholeSearch), nullptr);
