@@ -788,13 +788,10 @@ class Outbox(metaclass=_Metaclass):
     def add(self, queue: SubscriberQueue, data: bytes) -> bool:
         """Adds a message to those of a subscriber. Returns False if the connection has failed."""
 
-    @property
     def is_empty(self) -> bool:
         """True if no message waits."""
-    @property
     def is_due(self) -> bool:
         """True if a message has waited for the period, or a subscriber has too many."""
-
     def send(self) -> bool:
         """Sends what waits, without Python's lock. Returns False if a connection has failed."""
 

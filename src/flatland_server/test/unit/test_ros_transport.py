@@ -119,10 +119,9 @@ def test_topics_are_compared_as_rospy_resolves_them(monkeypatch):
 class RecordedOutbox(Outbox):
     """Notes when it is told to send."""
 
-    is_due = False
-
     def __init__(self) -> None:
         self.events = []
+        self.is_due, self.is_empty = lambda: False, lambda: True
 
     def open(self) -> None:
         self.is_open = True
@@ -157,11 +156,21 @@ def test_after_a_step_messages_may_wait_and_those_that_follow_may_not(holding):
 
 
 def test_messages_are_sent_at_the_end_of_a_step_if_they_are_due(holding):
-    holding.outbox.is_due = True
+    holding.outbox.is_due = lambda: True
 
     holding.flush()
 
     assert holding.events == ["message", "clock", "outbox"]
+
+
+def test_messages_that_wait_are_sent_at_the_end_of_a_step_that_nothing_follows(holding):
+    holding.outbox.is_open = False
+    holding.flush()
+    assert holding.events == ["clock", "message"]
+
+    holding.outbox.is_empty = lambda: False
+    holding.flush()
+    assert holding.events == ["clock", "message", "clock", "outbox"]
 
 
 def test_messages_are_sent_before_a_wait(holding):

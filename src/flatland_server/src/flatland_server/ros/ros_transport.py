@@ -157,9 +157,10 @@ class RosTransport(ThreadCalls, Transport):
             if not self._outbox.is_open:
                 self.before_sending()
             self.rospy_calls.send_bytes(self._tf, message)
-        if self._outbox.is_due:
+        outbox = self._outbox
+        if outbox.is_due() if outbox.is_open else not outbox.is_empty():
             self.release()
-        self._outbox.is_open = False
+        outbox.is_open = False
 
     def hold(self) -> None:
         self._outbox.open()

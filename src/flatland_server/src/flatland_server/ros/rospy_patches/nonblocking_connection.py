@@ -78,16 +78,13 @@ class HeldMessages(Outbox):
 
     def __init__(self, period: float = PERIOD) -> None:
         self.core = CoreOutbox(period, MOST)
+        self.is_due, self.is_empty = self.core.is_due, self.core.is_empty  # asked in each step
 
     def open(self) -> None:
         self.is_open = True
 
-    @property
-    def is_due(self) -> bool:
-        return self.core.is_due or (not self.is_open and not self.core.is_empty)
-
     def send(self) -> None:
-        if not self.core.is_empty and not self.core.send():
+        if not self.core.is_empty() and not self.core.send():
             _drop_failed()
 
     def step_message(

@@ -75,10 +75,13 @@ class Outbox:
     def open(self) -> None:
         """Sets `is_open`, if messages can be held back."""
 
-    @property
     def is_due(self) -> bool:
-        """True if messages have waited long enough, there are many, or the outbox is closed."""
+        """True if messages have waited long enough, or there are many."""
         return False
+
+    def is_empty(self) -> bool:
+        """True if no message waits."""
+        return True
 
     def send(self) -> None:
         """Sends the messages that wait."""
