@@ -68,8 +68,8 @@ struct SocialForce {
   /// where the preference epsilon b is added to theta beforehand. `velocity` is the person's own
   /// less that of the other [m/s].
   Vec2 Evade(const Obstacle& other, Vec2 velocity) const;
-  /// Finds the indices above `index` of people between whom and that person there may be forces, in
-  /// ascending order. For those left out, Repel and Evade are zero.
+  /// Finds the indices above `index`, in ascending order, of those near enough for forces on that
+  /// person or from it. For all others, Repel and Evade are zero.
   void FindNear(const Walkers& people, size_t index, std::vector<uint32_t>& near) const;
   /// The part of a deviation from the desired velocity that is left after `dt` [s].
   double LeftAfter(double dt) const;

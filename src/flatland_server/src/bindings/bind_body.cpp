@@ -30,9 +30,7 @@ void Fill(Row& row, const char* name, const Values& values) {
 }
 
 void ReadMotion(const PyBody& self, Row pose, Row local_velocity) {
-  const Pose found = self.world->GetPose(self.handle);
-  const double yaw = std::remainder(found.yaw, 2.0 * M_PI);
-  Fill(pose, "pose", Triple{found.x, found.y, yaw});
+  Fill(pose, "pose", ToTuple(Wrapped(self.world->GetPose(self.handle))));
   Fill(local_velocity, "local_velocity", ToTuple(self.world->GetLocalVelocity(self.handle)));
 }
 

@@ -77,8 +77,7 @@ void BindBodyGroup(py::module_& m) {
       .def("poses",
            [](const BodyGroup& self) {
              return Rows(self, [](const World& world, World::Body body) {
-               const Pose pose = world.GetPose(body);
-               return Triple{pose.x, pose.y, std::remainder(pose.yaw, 2.0 * M_PI)};
+               return ToTuple(Wrapped(world.GetPose(body)));
              });
            })
       .def("velocities",

@@ -42,8 +42,7 @@ struct RelativePoses {
   Pose PoseOf(World::Body body) const {
     if (drift) return world->GetEstimate(*drift);
     if (reference) return world->GetPoseIn(*reference, body);
-    const Pose pose = world->GetPose(body);
-    return {pose.x, pose.y, std::remainder(pose.yaw, 2.0 * M_PI)};
+    return Wrapped(world->GetPose(body));
   }
 
   Twist VelocityOf(World::Body body) const {

@@ -1,6 +1,7 @@
 #pragma once
 
-/// For depth_buffer.cpp: draws walls onto the beams, those of a leaf or block together.
+/// For depth_buffer.cpp: draws walls onto the beams, those of a leaf or block together; and the
+/// tolerance at the ends of walls, for all that tells what they hide.
 
 #include <cmath>
 #include <limits>

@@ -4,12 +4,10 @@
 #include <cmath>
 
 #include "doubles.hpp"
+#include "draw_walls.hpp"
 
 namespace flatland {
 namespace {
-
-/// A wall reaches past its ends by this fraction of its length, as it does for DepthBuffer.
-constexpr double kEndTolerance = 1e-9;
 
 /// The lines a to b of occluders.
 struct FourLines {

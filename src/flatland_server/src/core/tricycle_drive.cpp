@@ -58,7 +58,7 @@ void TricycleDrive::EndStep(b2Body& body) {
     const double upper =
         wheel_is_b ? front_wheel_->GetUpperLimit() : -front_wheel_->GetLowerLimit();
     const double middle = 0.5 * (lower + upper);
-    angle = std::clamp(middle + std::remainder(angle - middle, 2.0 * M_PI), lower, upper);
+    angle = std::clamp(middle + WrappedAngle(angle - middle), lower, upper);
   }
   const b2Vec2 hub = wheel_is_b ? front_wheel_->GetLocalAnchorA() : front_wheel_->GetLocalAnchorB();
   const b2Vec2 on_wheel =
