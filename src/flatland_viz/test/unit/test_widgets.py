@@ -1,5 +1,7 @@
 """Fields and panels of the window, without a screen."""
 
+import gc
+
 import pytest
 from python_qt_binding.QtCore import QEvent, QLocale, QObject, QPoint, Qt, QTimer, Signal
 from python_qt_binding.QtGui import QColor, QKeyEvent, QPalette, QPixmap
@@ -13,6 +15,7 @@ from python_qt_binding.QtWidgets import (
     QMainWindow,
     QSlider,
     QToolButton,
+    QWidget,
 )
 
 from flatland_viz import drive_panel, model_panel
@@ -359,3 +362,32 @@ def test_the_dark_look_is_readable_and_the_light_one_comes_back(application):
     application.exec_()
     assert [color.lightness() > 128 for color in seen] == [False, True, False]
     assert seen[-1] == before
+
+
+class Hungry(QWidget):
+    """A widget in Python that causes a garbage collection when its look changes."""
+
+    def changeEvent(self, event):
+        gc.set_threshold(1)
+        _ = [[] for _ in range(10)]
+
+
+def test_the_look_changes_while_closed_widgets_wait_for_the_garbage_collector(application):
+    thresholds = gc.get_threshold()
+    gc.disable()
+    widgets = [Hungry() for _ in range(50)]
+    for widget in widgets[::2]:
+        widget.itself = widget
+    del widgets[::2], widget
+    gc.enable()
+
+    theme = Theme()
+
+    def change():
+        for look in ("dark", "light"):
+            theme.apply(look)
+        application.quit()
+
+    QTimer.singleShot(0, change)
+    application.exec_()
+    gc.set_threshold(*thresholds)
