@@ -4,6 +4,8 @@
 
 #include <box2d/box2d.h>
 
+#include <limits>
+
 #include "flatland_server/arc_motion.hpp"
 #include "flatland_server/dynamics_limits.hpp"
 #include "flatland_server/geometry.hpp"
@@ -66,7 +68,7 @@ class TricycleDrive {
  private:
   /// Twist of the body's origin, in its frame, for a speed [m/s] and angle [rad] of the front
   /// wheel.
-  Twist TwistAt(double speed, double angle) const;
+  Twist TwistAt(double speed, double angle);
 
   TricycleSettings settings_;
   b2RevoluteJoint* front_wheel_ = nullptr;
@@ -77,6 +79,13 @@ class TricycleDrive {
   double speed_ = 0.0;         // [m/s]
   SteeringState steering_;
   ArcMotion motion_;
+
+  /// Of the last `TwistAt`; a tricycle seldom steers.
+  struct {
+    double angle = std::numeric_limits<double>::quiet_NaN();  // of the front wheel [rad]
+    Rotation rotation{0.0};                                   // of its direction
+    double sin = 0.0;
+  } direction_;
 };
 
 }  // namespace flatland

@@ -138,12 +138,12 @@ class TransformList {
   }
 
   /// The message of all of them; empty without any.
-  py::bytes Take() {
-    if (count_ == 0) return {};
-    std::memcpy(bytes_.data(), &count_, sizeof(count_));
-    py::bytes message(bytes_);
-    bytes_.resize(sizeof(count_));
-    count_ = 0;
+  static py::bytes Take(TransformList& self) {
+    if (self.count_ == 0) return {};
+    std::memcpy(self.bytes_.data(), &self.count_, sizeof(self.count_));
+    py::bytes message(self.bytes_);
+    self.bytes_.resize(sizeof(self.count_));
+    self.count_ = 0;
     return message;
   }
 
@@ -252,10 +252,9 @@ void BindMessages(py::module_& m) {
               py::arg("twist_in_local_frame") = true, py::arg("is_numbered") = true);
   DefineFast<&BodyMessage::Data>(message, "data", "nanoseconds");
   BindQueues(m);
-  py::class_<TransformList, std::shared_ptr<TransformList>>(m, "TransformList")
-      .def(py::init<>())
-      .def("add", &TransformList::Add, py::arg("count"), py::arg("data"))
-      .def("take", &TransformList::Take);
+  py::class_<TransformList, std::shared_ptr<TransformList>> transforms(m, "TransformList");
+  transforms.def(py::init<>()).def("add", &TransformList::Add, py::arg("count"), py::arg("data"));
+  DefineFast<&TransformList::Take>(transforms, "take");
   py::class_<StepMessage>(m, "StepMessage")
       .def(py::init([](std::shared_ptr<BodyMessage> message, std::shared_ptr<Outbox> outbox,
                        std::vector<std::shared_ptr<SubscriberQueue>> queues) {

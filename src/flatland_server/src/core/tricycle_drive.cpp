@@ -33,9 +33,12 @@ void TricycleDrive::Reset() {
 
 // The rear axle does not slip sideways: with the front wheel rolling at v and angle d, and the
 // wheelbase L, v sin d - omega L = 0 (Siciliano et al., "Robotics", 11.2.2, front-wheel drive).
-Twist TricycleDrive::TwistAt(double speed, double angle) const {
-  const Vec2 velocity = Rotation(heading_ + angle).Apply({speed, 0.0});
-  return {velocity.x, velocity.y, speed * std::sin(angle) / wheelbase_};
+Twist TricycleDrive::TwistAt(double speed, double angle) {
+  if (angle != direction_.angle) {
+    direction_ = {angle, Rotation(heading_ + angle), std::sin(angle)};
+  }
+  const Vec2 velocity = direction_.rotation.Apply({speed, 0.0});
+  return {velocity.x, velocity.y, speed * direction_.sin / wheelbase_};
 }
 
 void TricycleDrive::BeginStep(b2Body& body, double dt) {

@@ -123,7 +123,7 @@ def outbox(monkeypatch):
 
 def opened(outbox: HeldMessages, monkeypatch) -> HeldMessages:
     monkeypatch.setattr(nonblocking_connection, "outbox", outbox)
-    outbox.open()
+    outbox.is_open = True
     return outbox
 
 

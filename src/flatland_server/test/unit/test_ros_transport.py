@@ -121,10 +121,7 @@ class RecordedOutbox(Outbox):
 
     def __init__(self) -> None:
         self.events = []
-        self.is_due, self.is_empty = lambda: False, lambda: True
-
-    def open(self) -> None:
-        self.is_open = True
+        self.can_hold, self.is_due, self.is_empty = True, lambda: False, lambda: True
 
     def send(self) -> None:
         self.events.append("outbox")
@@ -139,7 +136,7 @@ def holding():
         RospyCalls(outbox=outbox, send_bytes=lambda _, data: events.append("message"))
     )
     transport.before_sending = lambda: events.append("clock")
-    transport.hold()
+    transport.process(0.0)
     transport.send_transform(Transform(7, "map", "odom", Pose()))
     transport.events, transport.outbox = events, outbox
     return transport
@@ -147,7 +144,6 @@ def holding():
 
 def test_after_a_step_messages_may_wait_and_those_that_follow_may_not(holding):
     holding.flush()
-    holding.process(0.0)
     assert holding.events == ["message"]
 
     holding.send_transform(Transform(7, "map", "odom", Pose()))

@@ -122,8 +122,9 @@ class RosTransport(ThreadCalls, Transport):
         self.has_started = True
         if self._waiting:
             self._run_callbacks()
-        if timeout <= 0.0:
-            return  # at full speed, this is called at each step
+        if timeout <= 0.0:  # at full speed, this is called at each step
+            self._outbox.is_open = self._outbox.can_hold
+            return
         self.release()
         deadline = time.monotonic() + timeout
         remaining = timeout
@@ -161,9 +162,6 @@ class RosTransport(ThreadCalls, Transport):
         if outbox.is_due() if outbox.is_open else not outbox.is_empty():
             self.release()
         outbox.is_open = False
-
-    def hold(self) -> None:
-        self._outbox.open()
 
     def release(self) -> None:
         self._outbox.is_open = False

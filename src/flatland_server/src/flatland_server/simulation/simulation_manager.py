@@ -60,7 +60,6 @@ class SimulationManager(RunWithHistory):
         self._pacer = Pacer(clock)
         self.after_jump.append(lambda: self._pacer.start(self.timekeeper.seconds))
         self._request: Optional[StepRequest] = None
-        self._follows_at_once = False  # the loop has not waited before the present step
 
     @property
     def rate(self) -> float:
@@ -160,7 +159,6 @@ class SimulationManager(RunWithHistory):
                 transport.process(wait_time)
                 if not goes_on():
                     return
-                self._follows_at_once = wait_time <= 0.0
                 if self._command_wait is not None:
                     is_late = self._command_wait.is_due(self.is_stepping)
                 is_due = pacer.begin_step(self.is_paused or self.is_held)
@@ -209,8 +207,6 @@ class SimulationManager(RunWithHistory):
             request.finish(self.timekeeper.nanoseconds)
 
     def _step(self) -> None:
-        if self._follows_at_once:
-            self.transport.hold()
         self._step_up_to(1)
         for callback in self.after_step:
             callback()

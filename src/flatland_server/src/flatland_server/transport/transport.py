@@ -210,6 +210,9 @@ class Transport(ABC):
     def process(self, timeout: float = 0.0) -> None:
         """Runs the callbacks of pending messages.
 
+        Without a wait, a step follows at once, and nothing waits for its messages: they may be held
+        back until its end, and a little longer.
+
         Args:
             timeout: how long to wait for further ones [s].
         """
@@ -218,13 +221,7 @@ class Transport(ABC):
     def flush(self) -> None:
         """Sends what was collected during the step, and resets the count of arrivals."""
 
-    def hold(self) -> None:  # noqa: B027 (nothing to do if messages are not sent)
-        """Allows holding back the messages until the end of the next step, and a little longer.
-
-        To be called before a step that nothing waits for.
-        """
-
-    def release(self) -> None:  # noqa: B027 (the same)
+    def release(self) -> None:  # noqa: B027 (nothing to do if messages are not sent)
         """Sends the messages that were held back."""
 
     def discard(self) -> None:  # noqa: B027 (nothing to do if subscriptions drop them)

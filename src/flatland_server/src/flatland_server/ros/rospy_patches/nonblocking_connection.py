@@ -76,12 +76,11 @@ def install() -> Dict[str, Any]:
 class HeldMessages(Outbox):
     """The messages that wait, of all connections."""
 
+    can_hold = True
+
     def __init__(self, period: float = PERIOD) -> None:
         self.core = CoreOutbox(period, MOST)
         self.is_due, self.is_empty = self.core.is_due, self.core.is_empty  # asked in each step
-
-    def open(self) -> None:
-        self.is_open = True
 
     def send(self) -> None:
         if not self.core.is_empty() and not self.core.send():

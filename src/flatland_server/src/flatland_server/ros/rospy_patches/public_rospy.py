@@ -67,13 +67,12 @@ class Outbox:
     This one holds nothing: rospy hands each message to a thread of the connection.
 
     Attributes:
-        is_open: whether messages that are published now wait for `send`. May be set to False.
+        can_hold: whether it can hold messages back.
+        is_open: whether messages that are published now wait for `send`; never if it cannot.
     """
 
+    can_hold = False
     is_open = False
-
-    def open(self) -> None:
-        """Sets `is_open`, if messages can be held back."""
 
     def is_due(self) -> bool:
         """True if messages have waited long enough, or there are many."""
