@@ -24,6 +24,7 @@ from tf2_msgs.msg import TFMessage
 
 from flatland_benchmark.server_process import ServerProcess, executable
 from flatland_server.messages.wire_form import serialized
+from flatland_server.ros.rospy_patches import tcpros_server
 
 _STEPS_PER_SCAN = 20
 _BEAMS = 1081
@@ -40,6 +41,7 @@ class _Topic(NamedTuple):
 def main(robots: int, steps: int) -> None:
     """Never returns."""
     rospy.init_node("flatland_server", disable_rostime=True)
+    tcpros_server.install()  # of 200 connections at once, rospy's server loses some now and then
     topics = [_Topic("/flatland_server/state", 0, SimulationState()), _Topic("/tf", 1, TFMessage())]
     for i in range(robots):
         base, odom = f"robot_{i}_base_link", "odom"
