@@ -9,7 +9,7 @@ from typing import Dict, List, Optional
 
 from flatland_benchmark.case import Case
 from flatland_benchmark.cases import CASES
-from flatland_benchmark.compare import comparison
+from flatland_benchmark.compare import change_row, changes, comparison, comparison_head
 from flatland_benchmark.plots import draw, require_matplotlib
 from flatland_benchmark.report import CaseReport, Report
 from flatland_benchmark.runs import BaseClone, measure_in_turn, run_once
@@ -139,9 +139,10 @@ def measure(case: Case, runs: int) -> CaseReport:
 
 
 def _run_beside(base: BaseClone, cases: List[Case], options: argparse.Namespace) -> int:
-    """Runs cases of both clones, and prints how they compare. Returns the exit code."""
+    """Runs cases of both clones, and prints how each compares. Returns the exit code."""
     before, after = base.begin_report(), Report.begin()
     is_well = True
+    print(comparison_head(before, after), flush=True)
     for case in cases:
         try:
             reports = measure_in_turn(case, options.runs, base.run_once, run_once)
@@ -150,7 +151,9 @@ def _run_beside(base: BaseClone, cases: List[Case], options: argparse.Namespace)
             is_well = False
             continue
         before.cases[case.name], after.cases[case.name] = reports
+        for change in changes(before, after):
+            if change.case == case.name:
+                print(change_row(change), flush=True)
         if options.json:
             options.json.write_text(after.to_json(), encoding="utf-8")
-    print(comparison(before, after), end="")
     return 0 if is_well else 1

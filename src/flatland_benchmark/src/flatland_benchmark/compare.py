@@ -40,25 +40,31 @@ def changes(before: Report, after: Report) -> Iterator[Change]:
 
 def comparison(before: Report, after: Report) -> str:
     """A table of both reports' medians."""
-    lines = [f"before: {_origin(before)}", f"after:  {_origin(after)}"]
-    if before.machine._replace(load=0.0) != after.machine._replace(load=0.0):
-        lines.append("The machines differ: compare ratios within a report, not times.")
-    lines.append("")
-    lines.append(row("case", "figure", "before", "after", "ratio", "beyond spread"))
-    for change in changes(before, after):
-        lines.append(
-            row(
-                change.case,
-                figure_title(change.name, change.before.unit),
-                change.before.median,
-                change.after.median,
-                change.ratio,
-                "yes" if change.is_beyond_spread else "no",
-            )
-        )
+    lines = [comparison_head(before, after), *map(change_row, changes(before, after))]
     lines.extend(_only("before", before, after))
     lines.extend(_only("after", after, before))
     return "\n".join(lines) + "\n"
+
+
+def comparison_head(before: Report, after: Report) -> str:
+    """The first lines of the table."""
+    lines = [f"before: {_origin(before)}", f"after:  {_origin(after)}"]
+    if before.machine._replace(load=0.0) != after.machine._replace(load=0.0):
+        lines.append("The machines differ: compare ratios within a report, not times.")
+    heading = row("case", "figure", "before", "after", "ratio", "beyond spread")
+    return "\n".join([*lines, "", heading])
+
+
+def change_row(change: Change) -> str:
+    """A line of the table."""
+    return row(
+        change.case,
+        figure_title(change.name, change.before.unit),
+        change.before.median,
+        change.after.median,
+        change.ratio,
+        "yes" if change.is_beyond_spread else "no",
+    )
 
 
 def _origin(report: Report) -> str:
