@@ -43,10 +43,10 @@ def test_it_waits_for_scans_and_odometry_and_names_the_missing_topic(start_serve
 
     wait_until(lambda: "ready for goals" in ready(), "the node with all topics")
     text = (
-        "waiting for a message of sensor_msgs/LaserScan on /scan_front: there is none, but on /scan"
+        "waiting for sensor_msgs/LaserScan on /scan_front, which has no publisher (there is /scan)"
     )
     wait_until(lambda: text in waiting(), "the missing topic of scans")
-    text = "waiting for a message of nav_msgs/Odometry on /odom: there is none, but on /odometry/"
+    text = "waiting for nav_msgs/Odometry on /odom, which has no publisher (there is /odometry/"
     wait_until(lambda: text in blind(), "the missing topic of odometry")
     assert "ready" not in waiting() + blind()
     assert "LaserScan" not in blind()

@@ -35,9 +35,9 @@ def wait_for_messages(topics: Mapping[str, Any]) -> None:
 
 def _warning(subscriber: rospy.Subscriber) -> str:
     topic, kind = subscriber.resolved_name, subscriber.type
-    text = f"waiting for a message of {kind} on {topic}"
+    text = f"waiting for {kind} on {topic}"
     if subscriber.get_num_connections():
         return text
     others = [other for other, each in rospy.get_published_topics() if each == kind]
-    hint = f", but on {', '.join(sorted(others))}" if others else ""
-    return f"{text}: there is none{hint}"
+    hint = f" (there is {', '.join(sorted(others))})" if others else ""
+    return f"{text}, which has no publisher{hint}"
