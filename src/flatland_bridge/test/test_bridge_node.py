@@ -155,6 +155,21 @@ def test_a_server_that_is_stopped_does_not_delay_the_node(start_server, start_br
     wait_until(lambda: client.call("/pause")["result"], "its services")
 
 
+def test_calls_of_a_server_that_stops_end_and_do_not_hold_up_others(start_server, start_bridge):
+    server = start_server()
+    bridge = start_bridge()
+    client, other = Client(bridge), Client(bridge)
+    server.process.send_signal(signal.SIGSTOP)
+    try:
+        for number in range(10):
+            client.send("call_service", id=number, service="/pause")
+        answer = client.receive_until(lambda each: each["op"] == "service_response")
+        assert answer["values"] == "the service /pause cannot be called: it does not answer"
+        assert other.call("/rosapi/topics")["result"]
+    finally:
+        server.process.send_signal(signal.SIGCONT)
+
+
 def test_a_master_that_is_stopped_stops_no_client(master, bridge):
     client = Client(bridge)
     client.subscribed("/clock")
@@ -164,6 +179,8 @@ def test_a_master_that_is_stopped_stops_no_client(master, bridge):
         client.send("subscribe", topic="/flatland_server/state")
         client.send("advertise", topic="/new", type="std_msgs/Bool")
         assert client.call("/rosapi/topics")["result"]
+        assert client.call("/toggle_pause")["result"]
+        assert client.call("/toggle_pause")["result"]
         client.kept.clear()
         assert client.next_of("/clock")
     finally:

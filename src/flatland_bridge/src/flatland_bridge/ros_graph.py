@@ -6,8 +6,8 @@ from typing import Any, Callable, Dict, List
 import rosgraph
 import rospy
 
-from flatland_bridge.graph import BridgeError, Graph, Receive, Sample, Topics, require_type
-from flatland_bridge.ros_services import ServiceTypes
+from flatland_bridge.graph import Graph, Receive, Sample, Topics, require_type
+from flatland_bridge.ros_services import RosServices
 from flatland_server.exceptions import MessageError
 from flatland_server.messages import service_types
 from flatland_server.messages.message_types import get
@@ -27,7 +27,7 @@ class RosGraph(Graph):
         self._master = Master(rosgraph.get_master_uri())
         self._lock = threading.RLock()
         self._topics = Topics({}, {})
-        self._services = ServiceTypes()
+        self._services = RosServices()
         self._subscriptions: Dict[str, _Subscription] = {}
         self._publishers: Dict[str, rospy.Publisher] = {}
 
@@ -59,7 +59,7 @@ class RosGraph(Graph):
 
     @property
     def services(self) -> Dict[str, service_types.ServiceType]:
-        return self._services.known
+        return self._services.types
 
     @property
     def nanoseconds(self) -> int:
@@ -90,11 +90,7 @@ class RosGraph(Graph):
         self._publishers[topic].publish(message)
 
     def call(self, service: str, request: Any) -> Any:
-        kind = self.service_type(service)
-        try:
-            return rospy.ServiceProxy(service, kind.ros_class)(request)
-        except (rospy.ROSException, rospy.ServiceException) as error:
-            raise BridgeError(str(error)) from None
+        return self._services.call(service, self.service_type(service), request)
 
 
 class _Subscription:
