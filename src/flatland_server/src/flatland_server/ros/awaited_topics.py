@@ -28,7 +28,7 @@ def wait_for_messages(topics: Mapping[str, Any]) -> None:
             for name, subscriber in zip(topics, subscribers):
                 if name in missing:
                     rospy.logwarn("%s", _warning(subscriber))
-        rospy.rostime.wallsleep(_LOOK_PERIOD)
+        time.sleep(_LOOK_PERIOD)
     for subscriber in subscribers:
         subscriber.unregister()
 
