@@ -5,8 +5,8 @@ from typing import Callable, Protocol
 import rospy
 from nav_msgs.msg import Odometry
 
+from flatland_navigation.awaited_topics import wait_for_messages
 from flatland_server import FlatlandError
-from flatland_server.ros.awaited_topics import wait_for_messages
 
 
 class RobotNode(Protocol):
