@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import signal
 import struct
 import subprocess
 from types import SimpleNamespace
@@ -20,27 +21,46 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture
-def bridge(master, start_server, tmp_path):
-    """The node beside a server, as what `Client` and `Viewer` connect to."""
-    start_server()
+def master(master):
+    """A master with simulated time, as under roslaunch."""
+    master.ask("setParam", "/use_sim_time", True)
+    return master
+
+
+@pytest.fixture
+def start_bridge(master, tmp_path):
+    """Starts the node, and returns it as what `Client` and `Viewer` connect to."""
     log = tmp_path / "bridge.log"
-    with log.open("w") as file:
-        process = subprocess.Popen(
-            [executable("flatland_bridge", "bridge"), "_port:=0", "_foxglove_port:=0"],
-            env={**os.environ, "ROS_MASTER_URI": master.uri, "PYTHONUNBUFFERED": "1"},
-            stdout=file,
-            stderr=subprocess.STDOUT,
-        )
-    try:
+    processes = []
+
+    def start():
+        with log.open("w") as file:
+            process = subprocess.Popen(
+                [executable("flatland_bridge", "bridge"), "_port:=0", "_foxglove_port:=0"],
+                env={**os.environ, "ROS_MASTER_URI": master.uri, "PYTHONUNBUFFERED": "1"},
+                stdout=file,
+                stderr=subprocess.STDOUT,
+            )
+        processes.append(process)
         wait_until(lambda: "Foxglove: " in log.read_text(), "the node to run")
         found = re.findall(r"(page|Foxglove): \w+(://\S+/)", log.read_text())
         addresses = {name.replace("page", ROSBRIDGE): f"ws{rest}" for name, rest in found}
-        yield SimpleNamespace(
+        return SimpleNamespace(
             clients=SimpleNamespace(url=lambda name, scheme: addresses[name]), log=log
         )
-    finally:
+
+    yield start
+    for process in processes:
         process.terminate()
+    for process in processes:
         process.wait(20)
+
+
+@pytest.fixture
+def bridge(start_server, start_bridge):
+    """The node beside a server."""
+    start_server()
+    return start_bridge()
 
 
 def test_clients_see_and_control_the_server(bridge):
@@ -88,3 +108,81 @@ def test_viewers_of_foxglove_do_too(bridge):
     assert struct.unpack_from("<I", viewer.receive_binary(1)) == (3,)
     answer = json.loads(viewer.call("/delete_model", "json", b'{"name": "robto"}'))
     assert not answer["success"]
+
+
+def test_clients_get_the_time_that_the_node_has_subscribed_to_itself(bridge):
+    client, other = Client(bridge), Client(bridge)
+    client.subscribed("/clock")
+    other.subscribed("/clock", compression="cbor")
+    for each in (client, other):
+        first, second = (each.next_of("/clock")["clock"] for _ in range(2))
+        assert first != second
+
+    def time():
+        return client.call("/rosapi/get_time")["values"]["time"]
+
+    before = time()
+    wait_until(lambda: time() != before, "the node's own time to go on")
+    assert "Traceback" not in bridge.log.read_text()
+
+
+def test_services_come_and_go_with_their_servers(master, start_server, start_bridge):
+    former = start_server()
+    former.kill()  # its services stay registered
+    bridge = start_bridge()
+    client = Client(bridge)
+    assert "/pause" not in client.call("/rosapi/services")["values"]["services"]
+
+    def answers():
+        return client.call("/pause")["result"]
+
+    server = start_server()
+    wait_until(answers, "the services of a new server")
+    server.kill()
+    start_server()
+    wait_until(answers, "the services of the next one")
+
+
+def test_a_server_that_is_stopped_does_not_delay_the_node(start_server, start_bridge):
+    server = start_server()
+    server.process.send_signal(signal.SIGSTOP)
+    try:
+        client = Client(start_bridge())
+        assert "/clock" in client.call("/rosapi/topics")["values"]["topics"]
+        assert "/pause" not in client.call("/rosapi/services")["values"]["services"]
+    finally:
+        server.process.send_signal(signal.SIGCONT)
+    wait_until(lambda: client.call("/pause")["result"], "its services")
+
+
+def test_calls_of_a_server_that_stops_end_and_do_not_hold_up_others(start_server, start_bridge):
+    server = start_server()
+    bridge = start_bridge()
+    client, other = Client(bridge), Client(bridge)
+    server.process.send_signal(signal.SIGSTOP)
+    try:
+        for number in range(10):
+            client.send("call_service", id=number, service="/pause")
+        answer = client.receive_until(lambda each: each["op"] == "service_response")
+        assert answer["values"] == "the service /pause cannot be called: it does not answer"
+        assert other.call("/rosapi/topics")["result"]
+    finally:
+        server.process.send_signal(signal.SIGCONT)
+
+
+def test_a_master_that_is_stopped_stops_no_client(master, bridge):
+    client = Client(bridge)
+    client.subscribed("/clock")
+    client.next_of("/clock")
+    master.process.send_signal(signal.SIGSTOP)
+    try:
+        client.send("subscribe", topic="/flatland_server/state")
+        client.send("advertise", topic="/new", type="std_msgs/Bool")
+        assert client.call("/rosapi/topics")["result"]
+        assert client.call("/toggle_pause")["result"]
+        assert client.call("/toggle_pause")["result"]
+        client.kept.clear()
+        assert client.next_of("/clock")
+    finally:
+        master.process.send_signal(signal.SIGCONT)
+    assert client.next_of("/flatland_server/state")

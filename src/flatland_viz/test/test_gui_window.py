@@ -332,9 +332,9 @@ def test_the_way_of_a_robot_is_drawn_and_its_topics_are_plotted(window):
     window.screen.click(window.map.pixel(0.0, 0.0))
 
     def line():
+        """The pixels of its odometry's way, which covers its true one: it has no errors."""
         pixels = window.screen.picture("window_trail")
-        view = pixels[window.screen.view(pixels)]
-        return sum(near(view, color, 20).sum() for color in ((0, 115, 178), (230, 158, 0)))
+        return near(pixels[window.screen.view(pixels)], (230, 158, 0), 20).sum()
 
     before = line()
     window.key("t")
@@ -356,6 +356,31 @@ def test_the_way_of_a_robot_is_drawn_and_its_topics_are_plotted(window):
         window.ros.end(driver)
     window.key("t")
     window.waiting(lambda: line() <= before + 20, "no way")
+    assert "bad callback" not in window.launch.output
+
+
+def test_an_error_of_the_window_is_logged_once_and_counted_among_the_problems(window):
+    window.ros.call("/reset", restart_time=True)
+    window.screen.focus(window.id)
+    window.screen.click(window.map.pixel(0.0, 0.0))
+    topic = "{name: /x, type: no/such/name, is_published: true}"
+    models = f"{{models: [{{name: turtlebot, plugins: [{{topics: [{topic}]}}]}}]}}"
+    text = "ValueError: invalid name [no/such/name]"
+    other = window.ros.start(
+        "rostopic", "pub", "-r", "50", "/flatland_server/models", "flatland_msgs/ModelList", models
+    )
+    try:
+        window.waiting(lambda: text in window.launch.output, "the error")
+        window.open_problems("error", "window_own_error")
+        window.screen.key("Escape")
+        window.screen.wait_until_closed("Problems")
+    finally:
+        window.ros.end(other)
+    window.ros.spawn(BOX, "crate", 2.0, 1.0)  # the server's own list again
+    window.ros.call("/delete_model", name="crate")
+    assert window.launch.output.count(text) == 1
+    window.key("F5")
+    window.waiting(lambda: not window.badge("error"), "the badge to go")
 
 
 @pytest.fixture

@@ -6,6 +6,7 @@ from flatland_bridge.ros_graph import RosGraph
 from flatland_bridge.server import FOXGLOVE, ROSBRIDGE, serve_clients
 from flatland_bridge.websocket_server import Access
 from flatland_server.exceptions import FlatlandError
+from flatland_server.ros import rospy_patches
 
 _PERIOD = 0.5
 """Real time between two looks for new topics and services [s]."""
@@ -14,6 +15,7 @@ _PERIOD = 0.5
 def main() -> int:
     """Runs the node until it is shut down. Returns its exit code."""
     rospy.init_node("bridge")
+    rospy_patches.install()  # a master or a subscriber that is stopped stops no client
     token = rospy.get_param("~token", None)
     access = Access(
         str(rospy.get_param("~host", "127.0.0.1")),

@@ -1,19 +1,18 @@
 """The topics and services of a ROS master, those of Flatland's server among them."""
 
-import logging
 import threading
-from typing import Any, Callable, Dict, List, Optional
+from typing import Any, Callable, Dict, List
 
 import rosgraph
 import rospy
-import rosservice
 
-from flatland_bridge.graph import BridgeError, Graph, Receive, Sample, Topics, require_type
+from flatland_bridge.graph import Graph, Receive, Sample, Topics, require_type
+from flatland_bridge.ros_services import RosServices
 from flatland_server.exceptions import MessageError
 from flatland_server.messages import service_types
 from flatland_server.messages.message_types import get
-
-logger = logging.getLogger(__name__)
+from flatland_server.ros import raw_messages
+from flatland_server.ros.rospy_patches.master_calls import NO_ANSWER, Master
 
 _ROSPY_SERVICES = ("/get_loggers", "/set_logger_level")  # of each node
 
@@ -25,31 +24,34 @@ class RosGraph(Graph):
     """
 
     def __init__(self) -> None:
-        self._master = rosgraph.Master(rospy.get_name())
+        self._master = Master(rosgraph.get_master_uri())
         self._lock = threading.RLock()
         self._topics = Topics({}, {})
-        self._services: Dict[str, service_types.ServiceType] = {}
+        self._services = RosServices()
         self._subscriptions: Dict[str, _Subscription] = {}
         self._publishers: Dict[str, rospy.Publisher] = {}
-        self._refused: Dict[str, None] = {}  # services of unknown types
 
     def update(self) -> None:
-        """Asks the master for topics and services; to be called from time to time."""
+        """Asks the master for topics and services; to be called from time to time, by one thread.
+
+        If the master is stopped or gone, all stays as it is.
+        """
         try:
-            publishers, subscribers, services = self._master.getSystemState()
-            types = dict(self._master.getTopicTypes())
-        except OSError:
-            return  # the master is stopped: all is as before
-        known = {topic: kind for topic, kind in types.items() if _is_known(kind)}
-        published, subscribed = (
-            {topic: known[topic] for topic in sorted(dict(each)) if topic in known}
-            for each in (publishers, subscribers)
-        )
-        self._topics = Topics(published, subscribed)
-        names = [name for name, _ in services if not name.endswith(_ROSPY_SERVICES)]
-        self._services = {
-            name: kind for name in sorted(names) if (kind := self._type_of(name)) is not None
-        }
+            published, subscribed, services, types = self._master.graph()
+            known = {topic: kind for topic, kind in types.items() if _is_known(kind)}
+            self._topics = Topics(
+                *(
+                    {topic: known[topic] for topic in sorted(dict(each)) if topic in known}
+                    for each in (published, subscribed)
+                )
+            )
+            # A master has one node for each service.
+            nodes = {name: each[0] for name, each in services if not name.endswith(_ROSPY_SERVICES)}
+            uris = self._master.uris(set(nodes.values()))
+            registrations = [(name, uris[node]) for name, node in nodes.items() if node in uris]
+            self._services.follow(registrations, self._master)
+        except NO_ANSWER:
+            pass
 
     @property
     def topics(self) -> Topics:
@@ -57,7 +59,7 @@ class RosGraph(Graph):
 
     @property
     def services(self) -> Dict[str, service_types.ServiceType]:
-        return self._services
+        return self._services.types
 
     @property
     def nanoseconds(self) -> int:
@@ -88,20 +90,7 @@ class RosGraph(Graph):
         self._publishers[topic].publish(message)
 
     def call(self, service: str, request: Any) -> Any:
-        kind = self.service_type(service)
-        try:
-            return rospy.ServiceProxy(service, kind.ros_class)(request)
-        except (rospy.ROSException, rospy.ServiceException) as error:
-            raise BridgeError(str(error)) from None
-
-    def _type_of(self, service: str) -> Optional[service_types.ServiceType]:
-        if service in self._services or service in self._refused:
-            return self._services.get(service)
-        try:
-            return service_types.get(rosservice.get_service_type(service))
-        except (MessageError, AttributeError, rosservice.ROSServiceException):
-            self._refused[service] = None
-            return None
+        return self._services.call(service, self.service_type(service), request)
 
 
 class _Subscription:
@@ -118,7 +107,7 @@ class _Subscription:
         self._lock = threading.Lock()
         self._receivers: List[Receive] = []
         self._latched: Dict[str, Sample] = {}  # the last one of each publisher
-        self._subscriber = rospy.Subscriber(topic, rospy.AnyMsg, self._receive)
+        self._subscriber = raw_messages.subscribe(topic, self._receive)
 
     def add(self, receive: Receive) -> None:
         """Adds a client, which gets latched messages first."""
@@ -137,7 +126,7 @@ class _Subscription:
             self._subscriber.unregister()
         return is_last
 
-    def _receive(self, message: rospy.AnyMsg) -> None:
+    def _receive(self, message: raw_messages.RawMessage) -> None:
         header = message._connection_header
         try:
             kind = get(header["type"])

@@ -67,8 +67,10 @@ class NavigatorNode:
         self._localization = Localization(
             parameters.pose_source, parameters.map_frame, parameters.odom_topic
         )
+        self.odometry_topic = self._localization.topic
+        """The topic of the poses that it works at."""
         self._odometry = rospy.Subscriber(
-            self._localization.topic, Odometry, self._on_odometry, queue_size=1, tcp_nodelay=True
+            self.odometry_topic, Odometry, self._on_odometry, queue_size=1, tcp_nodelay=True
         )
         rospy.on_shutdown(self._stop)
 
@@ -154,6 +156,8 @@ class NavigatorNode:
             if time - self._waits_since > _SCAN_LIMIT:
                 rospy.logwarn_throttle(10.0, "waiting for a scan and for the laser's transform")
             return
+        if not self._scans.has_laser:
+            rospy.loginfo_once(f"{self._scans.topic} has no publisher: driving by the map alone")
         command = self._navigator.update(pose, time)
         self._send(command)
         self._publish_plan()

@@ -86,9 +86,19 @@ class ScanReader:
         )
 
     @property
+    def topic(self) -> str:
+        """The name of the topic, with remappings."""
+        return str(self._subscriber.resolved_name)
+
+    @property
+    def has_laser(self) -> bool:
+        """True if the topic has a publisher."""
+        return bool(self._subscriber.get_num_connections())
+
+    @property
     def is_awaited(self) -> bool:
         """True if the robot has a laser, but no scan could be read yet."""
-        return self._mount is None and self._subscriber.get_num_connections() > 0
+        return self._mount is None and self.has_laser
 
     def take(self, base_frame: str) -> Optional[Scan]:
         """The newest scan, if it was not taken yet and the laser's transform is known."""

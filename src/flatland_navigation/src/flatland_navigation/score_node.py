@@ -61,9 +61,11 @@ class ScoreNode:
         self._next = self._next_message = self._time = -math.inf
         self._lock = threading.RLock()
         self._tf = Transforms()
+        self.odometry_topic = "odometry/ground_truth"
+        """The topic of the robot's true poses."""
         self._publisher = rospy.Publisher("~goal", NavigationScore, queue_size=10, latch=True)
         for topic, kind, callback in (
-            ("odometry/ground_truth", Odometry, self._on_odometry),
+            (self.odometry_topic, Odometry, self._on_odometry),
             ("cmd_vel", Twist, self._on_command),
             ("collisions", Collisions, self._on_collisions),
             ("move_base/goal", MoveBaseActionGoal, self._on_goal),

@@ -12,6 +12,8 @@ from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from flatland_navigation.parameters import read_goals
 from flatland_server import FlatlandError, Pose, fill_pose
 
+_PATIENCE = 10.0  # s of simulated time between two warnings
+
 
 def main() -> int:
     """Sends the goals of `~goals`.
@@ -30,8 +32,10 @@ def main() -> int:
         rospy.logfatal("%s", error)
         return 1
     client = actionlib.SimpleActionClient("move_base", MoveBaseAction)
-    if not client.wait_for_server():
-        return 0  # shut down before
+    while not client.wait_for_server(rospy.Duration(_PATIENCE)):
+        if rospy.is_shutdown():
+            return 0
+        rospy.logwarn("waiting for %s, a navigator or move_base", rospy.resolve_name("move_base"))
     rospy.on_shutdown(client.cancel_all_goals)
     if rospy.get_param("~score", False):
         _wait_for_listeners(client, 2)  # move_base, and the node score

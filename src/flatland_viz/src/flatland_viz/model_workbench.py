@@ -92,8 +92,8 @@ class ModelWorkbench(QObject):
     def _on_models(self, models: Dict[str, Model]) -> None:
         self._models = models
         self._actions.set_models(models)
+        self._trail.set_models(models)  # before the panel subscribes to a topic of another type
         self.panel.set_models(models)
-        self._trail.set_models(models)
         self._show_colors()
 
     def _on_simulation(self, simulation: Simulation) -> None:

@@ -1,4 +1,4 @@
-"""Sources of problems: the server's log, /diagnostics, models and transforms."""
+"""Sources of problems: the server's log, /diagnostics, models, transforms and this window."""
 
 import threading
 import xmlrpc.client
@@ -7,12 +7,13 @@ from typing import Any, Dict, Set, Tuple
 import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from python_qt_binding.QtCore import QObject, Signal
+from python_qt_binding.QtCore import QObject, QTimer, Signal
 from rosgraph_msgs.msg import Log
 from tf2_msgs.msg import TFMessage
 
 from flatland_viz.drive_robots import robots_of
 from flatland_viz.model_list import Model
+from flatland_viz.own_errors import OwnErrors
 from flatland_viz.problems import frames_published_twice, shared_commands
 from flatland_viz.transform_warnings import TransformWarnings
 
@@ -21,6 +22,7 @@ _LEFT_OUT = ("is switched off", "incoming connection failed")
 """Texts of log messages that are left out: /diagnostics reports failed plugins, too, and rospy logs
 an error if another program ends while it connects."""
 
+_ERRORS_PERIOD = 500  # ms of real time
 _FRAMES_PERIOD = 5.0  # s of real time
 _SAMPLE_TIME = 1.0  # s of real time: slow publishers of transforms send some 10 a second
 _TRANSFORMS = ("/tf", "/tf_static")
@@ -44,6 +46,9 @@ class ProblemSources(QObject):
         super().__init__()
         self._closed = threading.Event()
         self._groups: Dict[str, str] = {}  # of diagnostics, by their nodes
+        self._errors = OwnErrors()
+        self._timer = QTimer(self)
+        self._timer.timeout.connect(self._report_errors)
         self._warnings = TransformWarnings(
             lambda text, times: self._emit(
                 self.logged, _TRANSFORM_SOURCE, text, False, rospy.get_time(), times
@@ -52,6 +57,8 @@ class ProblemSources(QObject):
 
     def start(self) -> None:
         """Subscribes. Connect the signals before, or in the same event of Qt's loop."""
+        self._errors.start()
+        self._timer.start(_ERRORS_PERIOD)
         rospy.Subscriber("/rosout", Log, self._on_log, queue_size=100)
         rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=10)
         self._warnings.start()
@@ -60,6 +67,10 @@ class ProblemSources(QObject):
     def close(self) -> None:
         """Ends the thread. No signal is emitted after this; rospy unsubscribes as it shuts down."""
         self._closed.set()
+
+    def _report_errors(self) -> None:
+        for text, times in self._errors.take():
+            self._emit(self.logged, rospy.get_name(), text, True, rospy.get_time(), times)
 
     def _on_log(self, message: Log) -> None:
         is_warning = message.name == rospy.resolve_name(_SERVER) and message.level >= Log.WARN

@@ -8,7 +8,7 @@ import roslib.message
 import rospy
 
 from flatland_viz.model_list import Topic
-from flatland_viz.topic_values import describe, is_described
+from flatland_viz.topic_values import describe
 
 _WINDOW = 2.0  # s of simulated time, in which messages are counted
 
@@ -30,12 +30,13 @@ class TopicMonitor:
 
     def watch(self, topics: List[Topic]) -> None:
         """Subscribes to these topics, and to no others."""
-        wanted = {topic.name: topic for topic in topics}
-        for name in [name for name in self._watched if name not in wanted]:
+        wanted = {topic.name: topic.type for topic in topics}
+        others = [name for name, each in self._watched.items() if wanted.get(name) != each.type]
+        for name in others:
             self._watched.pop(name).close()
-        for name, topic in wanted.items():
+        for name, kind in wanted.items():
             if name not in self._watched:
-                self._watched[name] = _Watched(topic)
+                self._watched[name] = _Watched(name, kind)
 
     def readings(self, time: float) -> Dict[str, Reading]:
         """The readings of all topics, by name.
@@ -51,28 +52,29 @@ class TopicMonitor:
 
 
 class _Watched:
-    def __init__(self, topic: Topic) -> None:
-        self._type = topic.type
+    def __init__(self, name: str, kind: str) -> None:
+        self.type = kind
         self._lock = threading.Lock()  # rospy calls back on threads of its own
         self._count = 0
-        self._last: Optional[bytes] = None
+        self._last: Any = None
         self._value = ""
         self._counts: Deque[Tuple[float, int]] = deque()  # simulated time, messages until then
+        # rospy's subscribers of a topic share the first one's class, the trail's among them.
+        message_class = roslib.message.get_message_class(kind) if "/" in kind else None
         self._subscriber = rospy.Subscriber(
-            topic.name, rospy.AnyMsg, self._receive, queue_size=10, buff_size=2**20
+            name, message_class or rospy.AnyMsg, self._receive, queue_size=10, buff_size=2**20
         )
 
     def _receive(self, message: Any) -> None:
         with self._lock:
             self._count += 1
-            self._last = message._buff
+            self._last = message
 
     def reading(self, time: float) -> Reading:
         with self._lock:
             count, last, self._last = self._count, self._last, None
-        if last is not None and is_described(self._type):
-            message_class = roslib.message.get_message_class(self._type)
-            self._value = describe(self._type, message_class().deserialize(last))
+        if last is not None:
+            self._value = describe(self.type, last)
         counts = self._counts
         if counts and time < counts[-1][0]:
             counts.clear()  # the simulation has begun again

@@ -2,7 +2,7 @@
 
 import math
 import threading
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Optional
 
 import rospy
 from flatland_msgs.msg import ModelStates
@@ -43,7 +43,8 @@ class TrailDisplay(QObject):
         self._models: Dict[str, Model] = {}
         self._lock = threading.Lock()  # rospy calls back on threads of its own
         self._trails = Trails()
-        self._odometry: Optional[Tuple[str, rospy.Subscriber]] = None
+        self._followed = ("", "")  # a model, and the topic of its odometry
+        self._odometry: Optional[rospy.Subscriber] = None
         self._subscriber: Optional[rospy.Subscriber] = None
         self._publisher: Optional[rospy.Publisher] = None
         self._published: Any = None
@@ -80,16 +81,17 @@ class TrailDisplay(QObject):
         self._follow()
 
     def _follow(self) -> None:
-        """Subscribes to the odometry of the selected robot."""
+        """Unsubscribes from other robots' odometry; `_update` subscribes to the selected one's.
+
+        So all that the window has of a topic is closed before it is opened with another type:
+        rospy's subscribers of a topic share the first one's class.
+        """
         model = self._models.get(self._selection.name) if self._subscriber is not None else None
-        topic = odometry_topic(model)
-        if self._odometry is not None and self._odometry[0] != topic:
-            self._odometry[1].unregister()
+        wanted = (self._selection.name, odometry_topic(model))
+        if self._followed != wanted and self._odometry is not None:
+            self._odometry.unregister()
             self._odometry = None
-        if topic and self._odometry is None:
-            name = self._selection.name
-            subscriber = rospy.Subscriber(topic, Odometry, self._believe, name, queue_size=10)
-            self._odometry = (topic, subscriber)
+        self._followed = wanted
 
     def _see(self, message: ModelStates) -> None:
         with self._lock:
@@ -106,7 +108,9 @@ class TrailDisplay(QObject):
     def _update(self) -> None:
         """Publishes the lines, if they have changed."""
         assert self._publisher is not None
-        name = self._selection.name
+        name, topic = self._followed
+        if topic and self._odometry is None:
+            self._odometry = rospy.Subscriber(topic, Odometry, self._believe, name, queue_size=10)
         with self._lock:
             lines = (self._trails.of(name), self._trails.belief_of(name))
             revisions = (name, *(line.revision for line in lines))

@@ -4,6 +4,7 @@ import ctypes
 import os
 import signal
 import sys
+import threading
 import time
 import traceback
 import xmlrpc.client
@@ -91,6 +92,7 @@ def _show_window(ends_server: bool) -> int:
     application.setWindowIcon(icon("flatland"))
     application.setApplicationDisplayName("")  # it would be appended to the window's title
     sys.excepthook = _report  # PyQt aborts the process otherwise
+    threading.excepthook = lambda error: _report(*error[:3])
 
     theme = Theme()
     if Settings().is_on(DARK):
@@ -170,4 +172,5 @@ def _frame_rate() -> int:
 
 def _report(*error: Any) -> None:
     """Logs an error in one of the window's actions; the window stays open."""
-    rospy.logerr("%s", "".join(traceback.format_exception(*error)).rstrip())
+    text = "".join(traceback.format_exception(*error)).rstrip()
+    rospy.logerr("an action of the window has failed\n%s", text)

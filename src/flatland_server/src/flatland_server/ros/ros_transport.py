@@ -17,6 +17,7 @@ from tf2_msgs.msg import TFMessage
 
 from flatland_server._core import BodyMessage, StepMessage
 from flatland_server.geometry import Transform
+from flatland_server.ros import raw_messages
 from flatland_server.ros.rospy_patches import RospyCalls
 from flatland_server.transport.arrivals import Arrival
 from flatland_server.transport.message_writer import MessageWriter
@@ -25,6 +26,7 @@ from flatland_server.transport.serialized_transforms import SerializedFrames, Tr
 from flatland_server.transport.static_transforms import TOPIC as TF_STATIC
 from flatland_server.transport.static_transforms import StaticTransforms
 from flatland_server.transport.thread_calls import ThreadCalls
+from flatland_server.transport.topic_registry import ANY_TYPE, type_name
 
 logger = logging.getLogger(__name__)
 
@@ -242,8 +244,14 @@ class _RosSubscription(Subscription):
         self._callback = callback
         self._transport = transport
         self._arrival = arrival
-        self._subscriber = rospy.Subscriber(
-            topic, message_type, lambda message: transport.post(lambda: self._deliver(message))
+
+        def take(message: Any) -> None:
+            transport.post(lambda: self._deliver(message))
+
+        self._subscriber = (
+            raw_messages.subscribe(topic, take)
+            if type_name(message_type) == ANY_TYPE
+            else rospy.Subscriber(topic, message_type, take)
         )
 
     def _deliver(self, message: Any) -> None:

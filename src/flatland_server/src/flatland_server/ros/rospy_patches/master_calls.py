@@ -2,7 +2,7 @@
 
 import http.client
 import xmlrpc.client
-from typing import Any, List, NamedTuple, Tuple
+from typing import Any, Dict, Iterable, List, NamedTuple, Tuple
 from xml.parsers.expat import ExpatError
 
 import rospy
@@ -100,6 +100,30 @@ class Master:
         """
         answer: Any = self._proxy.getSystemState(rospy.get_caller_id())
         return list(answer[2][0]) if answer[0] == 1 else []
+
+    def graph(self) -> Tuple[List[Any], List[Any], List[Any], Dict[str, str]]:
+        """Published topics, subscribed topics and services with their nodes; types of topics.
+
+        Raises:
+            NO_ANSWER: one of these.
+        """
+        calls = xmlrpc.client.MultiCall(self._proxy)
+        calls.getSystemState(rospy.get_caller_id())
+        calls.getTopicTypes(rospy.get_caller_id())
+        (_, _, (published, subscribed, services)), (_, _, types) = calls()
+        return published, subscribed, services, dict(types)
+
+    def uris(self, names: Iterable[str], method: str = "lookupNode") -> Dict[str, str]:
+        """The URIs of nodes, or of services by the method lookupService, that the master knows.
+
+        Raises:
+            NO_ANSWER: one of these.
+        """
+        calls = xmlrpc.client.MultiCall(self._proxy)
+        names = list(names)
+        for name in names:
+            getattr(calls, method)(rospy.get_caller_id(), name)
+        return {name: uri for name, (code, _, uri) in zip(names, calls()) if code == 1}
 
     def has_service(self, name: str, uri: str) -> bool:
         """True if the master knows this service.
