@@ -154,7 +154,7 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
     files = ClientFiles(manager.world, config.state_folder)
     host = RosServiceHost(transport)
     ModelServices(manager.world, host, files, edits)
-    StateServices(manager, host, files, config.control_period)
+    StateServices(manager, host, files, config.control_period, config.train_mode)
     WorldSaving(manager, host, files, edits)
 
 

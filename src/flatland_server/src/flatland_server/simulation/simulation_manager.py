@@ -141,6 +141,24 @@ class SimulationManager(RunWithHistory):
         self.transport.returns_on_arrival = True
         return self._request.done
 
+    def advance(self, count: int, *, then_pause: bool) -> "Future[int]":
+        """Makes `run` make steps, paused or not, one after the other without waits.
+
+        Args:
+            count: how many; they follow those of a request that is being served.
+            then_pause: whether the simulation is paused after them; else it is as before.
+
+        Returns:
+            A future as of `request_steps`.
+        """
+        if self._request is not None:
+            self._request.extend(count)
+            return self._request.done
+        was_paused, self.is_paused = self.is_paused, True
+        self.request_steps(count)
+        self._request.resumes = not (was_paused or then_pause)
+        return self._request.done
+
     def run(self, goes_on: Callable[[], bool]) -> None:
         """Runs in real time until `goes_on()`, which is called before each step, is false.
 
@@ -204,6 +222,8 @@ class SimulationManager(RunWithHistory):
         request, self._request = self._request, None
         self.transport.returns_on_arrival = False
         if request is not None:
+            if request.resumes and not request.done.done():
+                self.resume()
             request.finish(self.timekeeper.nanoseconds)
 
     def _step(self) -> None:
