@@ -68,6 +68,18 @@ class Training(RecordingCase):
         cls.addClassCleanup(call, "/resume", Empty)
         wait_until(cls.move.get_num_connections, "the server to subscribe to /move_model")
 
+    def pause(self):
+        call("/pause", Empty)
+        self.addCleanup(call, "/resume", Empty)
+
+    def step_world(self):
+        """A publisher that the server listens to, while the simulation is paused."""
+        publisher = rospy.Publisher("/step_world", StepWorldMessage, queue_size=10)
+        self.addCleanup(publisher.unregister)
+        wait_until(publisher.get_num_connections, "the server to subscribe to /step_world")
+        self.pause()
+        return publisher
+
     def succeed(self, answer):
         self.assertTrue(answer.success, answer.message)
 
@@ -99,7 +111,7 @@ class Training(RecordingCase):
             call("/resume", Empty)
 
     def test_step_world_advances_time_by_the_control_period_and_goes_on_as_before(self):
-        call("/pause", Empty)
+        self.pause()
         begin = time_after_a_step()
 
         call("/step_world", StepWorld)
@@ -112,10 +124,7 @@ class Training(RecordingCase):
         self.assertIn("the simulation is not paused", refused.message)
 
     def test_the_topic_step_world_advances_time_by_what_is_asked_or_one_step(self):
-        step_world = rospy.Publisher("/step_world", StepWorldMessage, queue_size=10)
-        self.addCleanup(step_world.unregister)
-        wait_until(step_world.get_num_connections, "the server to subscribe to /step_world")
-        call("/pause", Empty)
+        step_world = self.step_world()
         begin = time_after_a_step()
 
         for duration in (0.2, 0.0, 0.2):  # none is lost while the steps of another are made
@@ -132,10 +141,7 @@ class Training(RecordingCase):
     def test_a_hundred_episodes_of_an_environment_that_steps_by_the_topic(self):
         """The calls of Arena-Rosnav's environments: discs from texts, and a message for each scan."""
         self.assertEqual(StepWorldMessage._md5sum, "db98664cbe4523fcf94ecdf73a95fa46")
-        step_world = rospy.Publisher("/step_world", StepWorldMessage, queue_size=10)
-        self.addCleanup(step_world.unregister)
-        wait_until(step_world.get_num_connections, "the server to subscribe to /step_world")
-        call("/pause", Empty)
+        step_world = self.step_world()
         discs = [Model(DISC, f"disc_{index}", "", Pose2D(index, -2.0, 0.0)) for index in range(3)]
         for _ in range(100):
             self.succeed(call("/spawn_models_from_string", SpawnModels, discs))
