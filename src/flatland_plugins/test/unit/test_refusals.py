@@ -46,6 +46,8 @@ REFUSED = [
     ("Imu", "gravity: -1", f"gravity: {NOT_NEGATIVE}"),
     ("Laser", "range: inf", 'range: expected a finite number, found "inf"'),
     ("Laser", "range: 0", f"range: {POSITIVE} 0"),
+    ("Laser", "flipped: true", 'unknown key "flipped" (here it is "upside_down")'),
+    ("Laser", "ignore_bodies: [a]", 'unknown key "ignore_bodies" (here it is "layers")'),
     ("Laser", "angle: {min: -3, max: 3, increment: -0.05}", f"angle: {BEAMS} -0.05 from -3 to 3"),
     ("Laser", "angle: {min: -3, max: 3, increment: 1e-7}", f"angle: {BEAMS} 1e-07 from -3 to 3"),
     ("Laser", "noise_std_dev: -1", f"noise_std_dev: {NOT_NEGATIVE}"),
