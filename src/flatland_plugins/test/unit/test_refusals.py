@@ -46,8 +46,6 @@ REFUSED = [
     ("Imu", "gravity: -1", f"gravity: {NOT_NEGATIVE}"),
     ("Laser", "range: inf", 'range: expected a finite number, found "inf"'),
     ("Laser", "range: 0", f"range: {POSITIVE} 0"),
-    ("Laser", "flipped: true", 'unknown key "flipped" (here it is "upside_down")'),
-    ("Laser", "ignore_bodies: [a]", 'unknown key "ignore_bodies" (here it is "layers")'),
     ("Laser", "angle: {min: -3, max: 3, increment: -0.05}", f"angle: {BEAMS} -0.05 from -3 to 3"),
     ("Laser", "angle: {min: -3, max: 3, increment: 1e-7}", f"angle: {BEAMS} 1e-07 from -3 to 3"),
     ("Laser", "noise_std_dev: -1", f"noise_std_dev: {NOT_NEGATIVE}"),
@@ -74,3 +72,11 @@ def test_a_value_out_of_bounds_is_refused_at_its_line(files, plugin, keys, messa
     assert refusal.startswith("robot.model.yaml:5: plugins[0].")
     assert message in refusal
     assert "\n" not in refusal
+
+
+@pytest.mark.parametrize("key, ours", [("flipped", "upside_down"), ("ignore_bodies", "layers")])
+def test_a_key_of_a_fork_is_refused_with_the_key_that_is_meant(files, key, ours):
+    entry = {**yaml.safe_load(f"{{{ENTRIES['Laser']}}}"), key: True}
+
+    expected = f'robot.model.yaml:5: plugins[0] "it": unknown key "{key}" (here it is "{ours}")'
+    assert files.robot_refusal(entry) == expected
