@@ -174,7 +174,9 @@ class Training(RecordingCase):
 
     def test_models_are_spawned_from_texts_together_or_not_at_all(self):
         def spawn(*texts):
-            models = [Model(text, f"text_{index}", "", Pose2D()) for index, text in enumerate(texts)]
+            models = [
+                Model(text, f"text_{index}", "", Pose2D()) for index, text in enumerate(texts)
+            ]
             return call("/spawn_models_from_string", SpawnModels, models)
 
         answer = spawn(DISC, "bodies: 1")

@@ -33,9 +33,7 @@ def watch(monkeypatch):
     monkeypatch.setattr(rospy, "get_name", lambda: "/server")
     monkeypatch.setattr(rospy, "Subscriber", Subscriber)
     clock = SimpleNamespace(now=0.0)
-    monkeypatch.setattr(
-        other_localisers, "time", SimpleNamespace(monotonic=lambda: clock.now)
-    )
+    monkeypatch.setattr(other_localisers, "time", SimpleNamespace(monotonic=lambda: clock.now))
     yield OtherLocalisers(lambda: {"odom", "r1_odom"}), clock
     Subscriber.open.clear()
 

@@ -136,10 +136,7 @@ class SimulationManager(RunWithHistory):
             raise FlatlandError("the steps of another request are being made")
         if not self.is_paused:
             raise FlatlandError("the simulation is not paused")
-        deadline = self._clock() + timeout
-        self._request = StepRequest(count, expected, deadline, self.transport.arrivals)
-        self.transport.returns_on_arrival = True
-        return self._request.done
+        return self._begin(count, expected, timeout).done
 
     def advance(self, count: int, *, then_pause: bool) -> "Future[int]":
         """Makes `run` make steps, paused or not, one after the other without waits.
@@ -154,10 +151,18 @@ class SimulationManager(RunWithHistory):
         if self._request is not None:
             self._request.extend(count)
             return self._request.done
-        was_paused, self.is_paused = self.is_paused, True
-        self.request_steps(count)
-        self._request.resumes = not (was_paused or then_pause)
-        return self._request.done
+        request = self._begin(count)
+        request.resumes = not (self.is_paused or then_pause)
+        self.is_paused = True
+        return request.done
+
+    def _begin(
+        self, count: int, expected: Sequence[str] = (), timeout: float = math.inf
+    ) -> StepRequest:
+        deadline = self._clock() + timeout
+        self._request = StepRequest(count, expected, deadline, self.transport.arrivals)
+        self.transport.returns_on_arrival = True
+        return self._request
 
     def run(self, goes_on: Callable[[], bool]) -> None:
         """Runs in real time until `goes_on()`, which is called before each step, is false.

@@ -223,7 +223,7 @@ class WorldConfig:
             return ModelConfig.from_content(source, self.registry, preprocessor)
         return ModelConfig.from_file(self.find_model(source), self.registry, preprocessor)
 
-    def find_model(self, source: Union[str, Path], base: Path = Path()) -> Path:  # noqa: B008
+    def find_model(self, source: Union[str, Path], base: Path = Path()) -> Path:
         """The path of a model file: as named, beside the world file, or in a folder of models.
 
         Args:
