@@ -411,6 +411,7 @@ def test_each_run_has_a_file_of_its_own(tmp_path):
     for path, count in zip(recordings, steps):
         read = read_by_ros(path)
         clocks = [each.nanoseconds for each in read if each.topic == "/clock"]
-        assert clocks == sorted(set(clocks)) and len(clocks) >= count
+        assert clocks == sorted(set(clocks))
+        assert len(clocks) >= count
         assert [each.nanoseconds for each in read] == sorted(each.nanoseconds for each in read)
         assert len([each for each in read if each.topic == "/tf_static"]) == 1
