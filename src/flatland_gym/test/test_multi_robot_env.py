@@ -3,6 +3,7 @@
 import warnings
 
 import numpy as np
+import pettingzoo
 import pytest
 from environments import assert_same
 from pettingzoo.test import parallel_api_test, parallel_seed_test, render_test
@@ -27,6 +28,14 @@ def test_it_passes_pettingzoos_tests(world):
         warnings.simplefilter("error")
         parallel_api_test(make(), num_cycles=300)
         parallel_seed_test(make, num_cycles=60)
+
+
+def test_it_is_made_by_its_name():
+    env = pettingzoo.make("parallel", "flatland/Navigation-v0", robots=3, world="empty_room")
+
+    assert isinstance(env, MultiRobotEnv)
+    assert len(env.possible_agents) == 3
+    env.close()
 
 
 def test_it_passes_pettingzoos_test_of_rendering_without_a_screen(without_screen):

@@ -5,6 +5,7 @@ from pathlib import Path
 import rospkg
 import rospy
 from flatland_msgs.msg import Model, MoveModelMsg
+from flatland_msgs.msg import StepWorld as StepWorldMessage
 from flatland_msgs.srv import (
     DeleteModels,
     Reset,
@@ -16,7 +17,7 @@ from flatland_msgs.srv import (
 )
 from geometry_msgs.msg import Pose2D
 from nav_msgs.msg import Odometry
-from rosgraph_msgs.msg import Log
+from rosgraph_msgs.msg import Clock, Log
 from rostest_tools import RecordingCase
 from sensor_msgs.msg import LaserScan
 from service_calls import call
@@ -60,11 +61,24 @@ class Training(RecordingCase):
     def setUpClass(cls):
         cls.scan = cls.record("/scan", LaserScan)
         cls.truth = cls.record("/odometry/ground_truth", Odometry)
+        cls.clock = cls.record("/clock", Clock)
         cls.log = cls.record("/rosout", Log)
         cls.move = rospy.Publisher("/move_model", MoveModelMsg, queue_size=10)
         cls.addClassCleanup(cls.move.unregister)
         cls.addClassCleanup(call, "/resume", Empty)
         wait_until(cls.move.get_num_connections, "the server to subscribe to /move_model")
+
+    def pause(self):
+        call("/pause", Empty)
+        self.addCleanup(call, "/resume", Empty)
+
+    def step_world(self):
+        """A publisher that the server listens to, while the simulation is paused."""
+        publisher = rospy.Publisher("/step_world", StepWorldMessage, queue_size=10)
+        self.addCleanup(publisher.unregister)
+        wait_until(publisher.get_num_connections, "the server to subscribe to /step_world")
+        self.pause()
+        return publisher
 
     def succeed(self, answer):
         self.assertTrue(answer.success, answer.message)
@@ -96,15 +110,48 @@ class Training(RecordingCase):
             self.succeed(delete_all(*names))
             call("/resume", Empty)
 
-    def test_step_world_pauses_and_advances_time_by_the_control_period(self):
-        call("/resume", Empty)
-        call("/step_world", StepWorld)
+    def test_step_world_advances_time_by_the_control_period_and_goes_on_as_before(self):
+        self.pause()
         begin = time_after_a_step()
 
         call("/step_world", StepWorld)
         call("/step_world", Empty)  # a client may use either class
 
         self.assertEqual(time_after_a_step() - begin, 2 * PERIOD + STEP)
+        call("/resume", Empty)
+        call("/step_world", Empty)
+        refused = call("/step", Step, 1, [], 0.0)
+        self.assertIn("the simulation is not paused", refused.message)
+
+    def test_the_topic_step_world_advances_time_by_what_is_asked_or_one_step(self):
+        step_world = self.step_world()
+        begin = time_after_a_step()
+
+        for duration in (0.2, 0.0, 0.2):  # none is lost while the steps of another are made
+            step_world.publish(duration)
+
+        wait_until(
+            lambda: self.clock.messages[-1].clock.to_nsec() >= begin + 81 * STEP, "the steps"
+        )
+        self.assertEqual(time_after_a_step() - begin, 82 * STEP)
+        step_world.publish(0.001)
+        warning = "/step_world: UsageError: expected required_time to be a multiple of the step"
+        wait_until(lambda: any(m.msg.startswith(warning) for m in self.log.messages), warning)
+
+    def test_a_hundred_episodes_of_an_environment_that_steps_by_the_topic(self):
+        """The calls of Arena-Rosnav's environments: discs from texts, and a message for each scan."""
+        self.assertEqual(StepWorldMessage._md5sum, "db98664cbe4523fcf94ecdf73a95fa46")
+        step_world = self.step_world()
+        discs = [Model(DISC, f"disc_{index}", "", Pose2D(index, -2.0, 0.0)) for index in range(3)]
+        for _ in range(100):
+            self.succeed(call("/spawn_models_from_string", SpawnModels, discs))
+            for _ in range(2):
+                scans = len(self.scan.messages)
+                step_world.publish(0.1)
+                wait_until(
+                    lambda n=scans: len(self.scan.messages) > n, "the period's scan", interval=0.001
+                )
+            self.succeed(delete_all(*(disc.name for disc in discs)))
 
     def test_models_are_spawned_and_deleted_together_or_not_at_all(self):
         for second, expected in (
@@ -124,6 +171,19 @@ class Training(RecordingCase):
             self.assertFalse(answer.success)
             self.assertEqual(answer.message.partition(" (did")[0], expected)
         self.succeed(delete_all("b", "a"))
+
+    def test_models_are_spawned_from_texts_together_or_not_at_all(self):
+        def spawn(*texts):
+            models = [
+                Model(text, f"text_{index}", "", Pose2D()) for index, text in enumerate(texts)
+            ]
+            return call("/spawn_models_from_string", SpawnModels, models)
+
+        answer = spawn(DISC, "bodies: 1")
+        self.assertFalse(answer.success)
+        self.assertIn('models[1] "text_1": <text of text_1>:1: bodies', answer.message)
+        self.succeed(spawn(DISC, DISC))
+        self.succeed(delete_all("text_0", "text_1"))
 
     def test_an_error_in_a_text_has_its_line_and_names_the_model(self):
         answer = spawn_text(DISC.replace("0.1", "wide"), "disc")

@@ -9,6 +9,7 @@ with Recorder(transport, timekeeper, "run.bag", topics=["/scan", "/odom"]) as re
 import os
 import re
 import struct
+from functools import partial
 from typing import (
     TYPE_CHECKING,
     Any,
@@ -62,6 +63,9 @@ class Recorder(Tap):
     identity from `map` to the frames of odometry on `/tf_static`: without them, rviz could not show
     the other topics. As with `rosbag record`, a recorded topic counts as subscribed to.
 
+    When time goes back, as by a reset, a further file begins: run.bag, run_1.bag, run_2.bag. So the
+    times of a file never go back, and no file has two runs.
+
     Args:
         transport: has the topics.
         timekeeper: has the time.
@@ -99,7 +103,11 @@ class Recorder(Tap):
         self._transforms_type = get("tf2_msgs/TFMessage")
         self._ros2 = _ros2_messages() if ros2 else None
         self._is_open = True
-        self._file = RecordingFile(path, encoding="cdr" if ros2 else "ros1")
+        self._open_file = partial(RecordingFile, encoding="cdr" if ros2 else "ros1")
+        self._file = self._open_file(path)
+        self._path = self._file.path
+        self._files = 1
+        self._time = 0  # of the last step [ns]
         self._map_to_odom = MapToOdom(transport, odometry_frames, always=())
         transport.open_tap(self)
         try:
@@ -186,6 +194,9 @@ class Recorder(Tap):
     def _write_waiting(self) -> None:
         self._map_to_odom.publish_new()
         now = self._timekeeper.nanoseconds
+        if now < self._time:
+            self._begin_file(now)
+        self._time = now
         waiting, self._waiting = self._waiting, []
         self._transforms.clear()
         # A time comes before its messages, in the order in which the server sends them.
@@ -196,6 +207,24 @@ class Recorder(Tap):
         for each in waiting:
             if each.nanoseconds >= now:
                 self._write(each)
+
+    def _begin_file(self, now: int) -> None:
+        """Goes on in a further file, which begins with the last latched messages."""
+        path = self._path.with_name(f"{self._path.stem}_{self._files}{self._path.suffix}")
+        file = self._open_file(path)
+        self._files += 1
+        waiting, self._waiting = self._waiting, []
+        for each in waiting:
+            if each.nanoseconds > now:
+                self._write(each)
+            elif not each.is_latched:
+                self._waiting.append(each)
+        self._file.close()
+        self._file = file
+        self._channels.clear()
+        self._sequences.clear()
+        self._transport.close_tap(self)
+        self._transport.open_tap(self)
 
     def _write(self, each: _Message) -> None:
         if isinstance(each.content, TransformQueue):

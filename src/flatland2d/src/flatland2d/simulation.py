@@ -256,7 +256,7 @@ class Simulation(SimulatedTopics):
 
         Args:
             path: of the file, which ends with .bag or .mcap. It replaces a recording, and nothing
-                else.
+                else. When time goes back, as by a reset, a further file begins: run_1.bag.
             topics: names of topics, or regular expressions that match whole names; by default all.
                 They are computed while they are recorded.
             ros2: whether to record messages as ROS 2 has them, into an .mcap.

@@ -8,7 +8,15 @@ from typing import Any, List, NamedTuple, Tuple
 import pytest
 from without_ros import run_without_ros
 
-from flatland2d import MessageError, Pose, Recorder, RecordingError, mcap_format, messages
+from flatland2d import (
+    MessageError,
+    Pose,
+    Recorder,
+    RecordingError,
+    Simulation,
+    mcap_format,
+    messages,
+)
 from flatland_server import LocalTransport, Timekeeper, Transform
 from flatland_server.testing import Harness, WorldFiles
 
@@ -381,20 +389,29 @@ def test_without_ros_the_same_is_recorded(tmp_path):
     assert [each.topic for each in read_by_ros(tmp_path / "without" / "open.bag")] == ["/clock"]
 
 
-def test_a_reset_while_recording_begins_at_the_start_again(tmp_path, files):
-    simulation = files.robot(*ROBOT)
-    path = tmp_path / "run.mcap"
-
-    with Recorder(simulation.transport, simulation.timekeeper, path, ["/scan"]) as recorder:
-        for _ in range(2):
-            for _ in range(6):
-                simulation.run()
-                recorder.write_step()
+def test_each_run_has_a_file_of_its_own(tmp_path):
+    """A reset, a seek and a state lead back: no reader could tell two runs at one time apart."""
+    steps = (20, 12, 8, 6)
+    with Simulation("office") as simulation:
+        simulation.keep_history()
+        with simulation.record(tmp_path / "run.bag", topics=["/scan"]):
+            simulation.step(steps[0])
+            simulation.reset(seed=2)
+            simulation.step(steps[1])
+            state = simulation.save_state()
+            simulation.seek(0.02)
+            simulation.step(steps[2])
+            simulation.load_state(state)
+            simulation.reset(keep_time=True)
             simulation.reset()
+            simulation.step(steps[3])
 
-    stamps = [
-        each.message.header.stamp.to_nsec()
-        for each in read_by_mcap(path, False)
-        if each.topic == "/scan"
-    ]
-    assert stamps == [0, 4 * STEP] * 2
+    recordings = [tmp_path / name for name in ("run.bag", "run_1.bag", "run_2.bag", "run_3.bag")]
+    assert sorted(tmp_path.glob("*.*")) == sorted(recordings)
+    for path, count in zip(recordings, steps):
+        read = read_by_ros(path)
+        clocks = [each.nanoseconds for each in read if each.topic == "/clock"]
+        assert clocks == sorted(set(clocks))
+        assert len(clocks) >= count
+        assert [each.nanoseconds for each in read] == sorted(each.nanoseconds for each in read)
+        assert len([each for each in read if each.topic == "/tf_static"]) == 1

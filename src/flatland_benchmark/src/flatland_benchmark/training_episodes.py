@@ -13,9 +13,10 @@ from typing import Any, List
 
 import rospy
 from flatland_msgs.msg import MoveModelMsg
-from flatland_msgs.srv import DeleteModels, Reset, SpawnModel, StepWorld
+from flatland_msgs.srv import DeleteModels, Reset, SpawnModel
 from geometry_msgs.msg import Pose2D
 from sensor_msgs.msg import LaserScan
+from std_srvs.srv import Empty
 
 _DISC = "bodies: [{name: disc, footprints: [{type: circle, radius: 0.1, density: 1}]}]"
 _DISCS = [f"disc_{index}" for index in range(20)]
@@ -29,7 +30,8 @@ def main(episodes: int, steps: int) -> None:
     scans: Queue[LaserScan] = Queue()
     rospy.Subscriber("/scan", LaserScan, scans.put)
     move = rospy.Publisher("/move_model", MoveModelMsg, queue_size=1)
-    step = _service("/step_world", StepWorld)
+    _service("/pause", Empty)()  # time stands still between steps
+    step = _service("/step_world", Empty)
     reset, spawn = _service("/reset", Reset), _service("/spawn_model_from_string", SpawnModel)
     delete = _service("/delete_models", DeleteModels)
     while scans.empty():  # the subscriptions are not connected yet

@@ -44,8 +44,6 @@ _VIEW_RATE = 30.0
 """Rate at which models and their states are published [Hz of real time]."""
 _TOPICS_PERIOD = 0.2
 """Real time between two looks for new topics [s]."""
-_CONTROL_PERIOD = 0.1
-"""Simulated time of a call of /step_world [s], as the server's ~control_period by default."""
 
 
 class SimulatedGraph(Graph, Tap):
@@ -78,7 +76,7 @@ class SimulatedGraph(Graph, Tap):
         )
         files = _WorldsByName(world, state_folder or world.config.model_folders[0])
         ModelServices(world, self._host, files, edits)
-        StateServices(manager, self._host, files, _CONTROL_PERIOD)
+        StateServices(manager, self._host, files)
         WorldSaving(manager, self._host, files, edits)
         standard = SimulationInterfaces(manager, self._host, self._host.actions, edits)
         for name, (kind, action) in standard.actions.items():

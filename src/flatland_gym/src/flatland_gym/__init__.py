@@ -44,6 +44,15 @@ if TYPE_CHECKING or importlib.util.find_spec("gymnasium") is not None:
         entry_point="flatland_gym.navigation_env:NavigationEnv",
         vector_entry_point="flatland_gym.navigation_vector_env:NavigationVectorEnv",
     )
+    if importlib.util.find_spec("pettingzoo") is not None:
+        import pettingzoo
+
+        if hasattr(pettingzoo, "register"):  # PettingZoo 1.27 and later
+            pettingzoo.register(
+                "parallel",
+                "flatland/Navigation-v0",
+                entry_point="flatland_gym.multi_robot_env:MultiRobotEnv",
+            )
 
 
 def __getattr__(name: str) -> Any:

@@ -46,7 +46,7 @@ def main() -> int:
 
 
 def spawn(name: str, pose: Pose2D) -> None:
-    """Spawns the model `~model`; warns if `~localiser` and the server both send map -> odom.
+    """Spawns the model `~model`.
 
     Args:
         name: of the model, and its namespace.
@@ -63,13 +63,6 @@ def spawn(name: str, pose: Pose2D) -> None:
     if not answer.success:
         raise FlatlandError(answer.message)
     rospy.loginfo("%s spawned at (%g, %g)", name, pose.x, pose.y)
-    localiser = rospy.get_param("~localiser", "")
-    if localiser and rospy.get_param("/flatland_server/map_to_odom", False):
-        rospy.logwarn(
-            "%s: both %s and the server send map -> odom: start server.launch with "
-            "map_to_odom:=false, or robot.launch with navigator:=waypoints and without gps:=true",
-            *(name, localiser),
-        )
 
 
 def _wait_for_server(ended: threading.Event) -> bool:

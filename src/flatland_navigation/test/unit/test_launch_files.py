@@ -303,7 +303,6 @@ def test_one_localiser_sends_map_to_odom(stack):
         config = load("robot.launch", "ns:=r1", *arguments)
         found = {"/r1/amcl", "/r1/ekf_map"} & {*nodes_of(config)}
         assert found == ({f"/r1/{localiser}"} if localiser else set())
-        assert params_of(config, "/r1/spawn_robot")["localiser"] == localiser
 
 
 def test_either_the_filter_or_the_drive_sends_the_transform(stack):

@@ -72,3 +72,11 @@ def test_a_value_out_of_bounds_is_refused_at_its_line(files, plugin, keys, messa
     assert refusal.startswith("robot.model.yaml:5: plugins[0].")
     assert message in refusal
     assert "\n" not in refusal
+
+
+@pytest.mark.parametrize("key, ours", [("flipped", "upside_down"), ("ignore_bodies", "layers")])
+def test_a_key_of_a_fork_is_refused_with_the_key_that_is_meant(files, key, ours):
+    entry = {**yaml.safe_load(f"{{{ENTRIES['Laser']}}}"), key: True}
+
+    expected = f'robot.model.yaml:5: plugins[0] "it": unknown key "{key}" (here it is "{ours}")'
+    assert files.robot_refusal(entry) == expected

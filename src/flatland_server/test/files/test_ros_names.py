@@ -8,7 +8,8 @@ from flatland_server.geometry import Pose
 
 LONG = "a" * 70_000
 NO_TOPICS = ["''", "a b", "a//b", "a/", "//a", "/", "a-b", "äh", "a\\tb", LONG, "a" * 256]
-NO_FRAMES = ["''", "a b", "a//b", "a/", "//a", "/", LONG, "a" * 256]
+NO_FRAMES = ["''", " a", "a ", "a /b", "a\\tb", "a//b", "a/", "//a", "/", LONG, "a" * 256]
+NO_NAMES = ["''", "a\\tb", "a\\nb", LONG, "a" * 256]
 
 MODEL = """\
 bodies:
@@ -71,14 +72,14 @@ def test_a_frame_that_tf_cannot_have_is_refused_with_its_line(refusal, kind, fra
     for key in FRAME_KEYS[kind]:
         message = refusal(kind, key, quoted(frame))
 
-        place = f"spawned.model.yaml:8: plugins[0].{key}: expected a name without spaces"
+        place = f"spawned.model.yaml:8: plugins[0].{key}: expected a name without empty parts"
         assert message.startswith(place)
         assert len(message) < 300
 
 
-@pytest.mark.parametrize("name", NO_FRAMES)
-def test_names_of_bodies_and_plugins_are_names_of_frames(refusal, name):
-    expected = "expected a name without spaces or empty parts"
+@pytest.mark.parametrize("name", NO_NAMES)
+def test_names_of_bodies_and_plugins_are_a_line_of_text(refusal, name):
+    expected = f"expected a name of at most {MAX_LENGTH} characters, on one line"
 
     assert f"spawned.model.yaml:2: bodies[0].name: {expected}" in refusal(body=quoted(name))
     assert f"spawned.model.yaml:6: plugins[0].name: {expected}" in refusal(name=quoted(name))
@@ -123,6 +124,26 @@ def test_the_longest_names_are_accepted(files):
     )
 
     assert world.transport.topics == {f"/{longest}"}
+
+
+@pytest.mark.parametrize("name", ["My Plugin", "a//b", "(1)", " - ", "ä"])
+def test_a_name_that_nothing_of_ros_is_made_of_is_any_text(files, name):
+    text = MODEL.format(
+        body=quoted(name), type="Tween", name=quoted(name), key="delta", value="[1, 0, 0]"
+    )
+    world = files.spawn(f"{text}  duration: 2\n")
+
+    (model,) = world.models.values()
+    assert model.get_body(name).name == name
+
+
+def test_a_frame_made_of_names_may_have_spaces_and_no_empty_part(files):
+    laser = "  range: 10\n  angle: {min: -1, max: 1, increment: 0.5}\n"
+    spaced = {"body": "my base", "type": "Laser", "key": "topic", "value": "scan"}
+
+    files.spawn(MODEL.format(name="My Laser", **spaced) + laser)
+    with pytest.raises(FlatlandError, match=r"plugins\[0\].name: expected .* \(it names a frame\)"):
+        files.spawn(MODEL.format(name="a//b", **spaced) + laser)
 
 
 def test_names_that_robots_have_are_accepted(files):

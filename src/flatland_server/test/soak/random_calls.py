@@ -24,7 +24,6 @@ from flatland_msgs.srv import (
     Seek,
     SpawnModel,
     SpawnModels,
-    StepWorld,
 )
 from geometry_msgs.msg import Pose2D
 from running_server import NODE, ROBOT, WORLDS, Master, Server
@@ -170,7 +169,7 @@ class Client:
     def _step_world(self) -> None:
         """Another client may resume the simulation meanwhile, or make steps."""
         try:
-            self._server.call("/step_world", StepWorld)
+            self._server.call("/step_world", Empty)
         except ConnectionError as error:
             self._findings.expect("FlatlandError: " in str(error), f"{self._what}: {error!r}")
 

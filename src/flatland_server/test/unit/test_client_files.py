@@ -32,6 +32,28 @@ def kept(tmp_path):
     return folder
 
 
+@pytest.mark.parametrize(
+    "name, found",
+    [
+        ("box.yaml", "worlds/box.yaml"),
+        ("./box.yaml", "worlds/box.yaml"),
+        ("../box.yaml", "box.yaml"),
+        ("../worlds/box.yaml", "worlds/box.yaml"),
+    ],
+)
+def test_a_relative_model_begins_in_the_worlds_folder_as_in_the_original(
+    world, tmp_path, monkeypatch, name, found
+):
+    (tmp_path / "box.yaml").write_text(BOX)
+    elsewhere = tmp_path / "home" / ".ros"  # the server's own folder
+    elsewhere.mkdir(parents=True)
+    for folder in (elsewhere, elsewhere.parent):
+        (folder / "box.yaml").write_text("not a model")
+    monkeypatch.chdir(elsewhere)
+
+    assert ClientFiles(world, None).model_file(name).resolve() == tmp_path / found
+
+
 def a_folder(path):
     path.mkdir()
 

@@ -40,11 +40,13 @@ def test_a_wrapped_angle_is_the_same_direction_within_half_a_turn(angle):
     assert math.sin(wrapped) == pytest.approx(math.sin(angle), abs=1e-9)
 
 
+@pytest.mark.parametrize("kind", [Pose, lambda *pose: pose], ids=["Pose", "of a physics body"])
 @given(yaw=ANGLES)
-def test_the_yaw_of_a_quaternion_is_that_of_its_pose(yaw):
+def test_the_yaw_of_a_quaternion_is_that_of_its_pose(kind, yaw):
     pose = messages.get("geometry_msgs/Pose")()
-    fill_pose(pose, Pose(0.0, 0.0, yaw))
+    fill_pose(pose, kind(1.0, 2.0, yaw))
 
+    assert (pose.position.x, pose.position.y) == (1.0, 2.0)
     assert math.sin(yaw_of(pose.orientation) - yaw) == pytest.approx(0.0, abs=1e-9)
     assert math.cos(yaw_of(pose.orientation) - yaw) == pytest.approx(1.0)
 

@@ -130,9 +130,18 @@ def test_a_known_name_in_an_unknown_package_is_unknown(packages):
     assert refusal("c_plugins::Laser").startswith('unknown plugin type "c_plugins::Laser"')
 
 
-@pytest.mark.parametrize("type", ["RandomWandering", "flatland_plugins::StaticLaser"])
-def test_a_known_cpp_plugin_that_is_not_on_the_path_is_said_to_be_one(packages, type):
-    assert refusal(type).endswith("in Python: docs/coming_from_cpp.md says how to port it")
+@pytest.mark.parametrize(
+    "type, replacement",
+    [
+        ("RandomGates", ""),
+        ("RandomWandering", ", or use a Crowd whose pedestrians have several goals"),
+        ("flatland_plugins::StaticLaser", ", or use a Laser with the map's layers"),
+        ("VehicleMovement", ", or use a Pedestrian in a model without legs"),
+    ],
+)
+def test_a_known_cpp_plugin_that_is_not_on_the_path_is_said_to_be_one(packages, type, replacement):
+    expected = f"in Python: docs/coming_from_cpp.md says how to port it{replacement}"
+    assert refusal(type).endswith(expected)
 
 
 def test_without_any_plugin_the_error_asks_whether_the_workspace_is_sourced(packages):

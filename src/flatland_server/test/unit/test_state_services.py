@@ -46,14 +46,68 @@ def test_a_reload_does_not_undo_that_another_world_was_opened_meanwhile(files, m
     assert world.read_config().path == paths[1]
 
 
-def test_a_control_period_between_two_steps_is_refused(files):
-    world = World(WorldConfig.from_file(files.write("a.yaml", "properties: {}\nlayers: []\n")))
-    manager = SimulationManager(world, Timekeeper(0.03))
-    host = DirectCalls()
-    StateServices(manager, host, ClientFiles(world, None), 0.1)
+class RunsSteps(DirectCalls):
+    """Makes calls at once, and the steps that they ask for."""
 
+    def __init__(self, manager):
+        super().__init__()
+        self._manager = manager
+
+    def wait(self, future):
+        self._manager.run(lambda: not future.done())
+        return super().wait(future)
+
+
+@pytest.fixture
+def serve(files):
+    """Returns the manager and the services of a world without models."""
+
+    def serve_with(step_size, *settings):
+        world = World(WorldConfig.from_file(files.write("a.yaml", "properties: {}\nlayers: []\n")))
+        manager = SimulationManager(world, Timekeeper(step_size))
+        host = RunsSteps(manager)
+        StateServices(manager, host, ClientFiles(world, None), *settings)
+        return manager, host.actions
+
+    return serve_with
+
+
+def test_a_control_period_between_two_steps_is_refused_at_the_start(serve):
     expected = "expected ~control_period to be a multiple of the step_size of 0.03 s, found 0.1 s"
     with pytest.raises(FlatlandError, match=expected):
-        host.actions["step_world"](None)
+        serve(0.03, 0.1)
 
+
+@pytest.mark.parametrize("step_size, advance", [(0.005, 0.1), (0.1, 0.1), (0.2, 0.2), (0.03, 0.03)])
+def test_step_world_makes_one_step_where_a_tenth_of_a_second_is_none(serve, step_size, advance):
+    manager, actions = serve(step_size)
+    manager.pause()
+
+    actions["step_world"](None)
+
+    assert manager.timekeeper.seconds == pytest.approx(advance)
+
+
+def test_time_goes_on_after_step_world_as_before_but_in_train_mode(serve):
+    manager, actions = serve(0.2)
+    actions["step_world"](None)
     assert not manager.is_paused
+
+    manager, actions = serve(0.2, None, True)
+    assert manager.is_paused
+    actions["step_world"](None)
+    assert manager.is_paused
+    manager.resume()  # by another client
+    actions["step_world"](None)
+    assert manager.is_paused
+
+
+def test_a_pause_while_step_world_makes_its_steps_stays(serve):
+    manager, actions = serve(0.01)
+    manager.after_step.append(manager.pause)
+
+    with pytest.raises(FlatlandError, match="paused before the steps were made"):
+        actions["step_world"](None)
+
+    assert manager.is_paused
+    assert manager.timekeeper.seconds == pytest.approx(0.01)

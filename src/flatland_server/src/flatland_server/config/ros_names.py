@@ -14,11 +14,17 @@ MAX_LENGTH = 255  # characters
 TOPIC = f'a topic of letters, digits, "_" and "/", at most {MAX_LENGTH} characters'
 """The names that `is_topic` accepts, as a phrase for error messages."""
 
-FRAME = f"a name without spaces or empty parts, at most {MAX_LENGTH} characters (it names a frame)"
+FRAME = (
+    f"a name without empty parts and spaces at its ends, at most {MAX_LENGTH} characters "
+    "(it names a frame)"
+)
 """The names that `is_frame` accepts, as a phrase for error messages."""
 
+NAME = f"a name of at most {MAX_LENGTH} characters, on one line"
+"""The names that `is_name` accepts, as a phrase for error messages."""
+
 _TOPIC_NAME = re.compile(r"[A-Za-z0-9_]+(/[A-Za-z0-9_]+)*")
-_FRAME = re.compile(r"/?[^\s/]+(/[^\s/]+)*")  # the names that tf2 accepts, without spaces
+_FRAME = re.compile(r"/?[^\s/]+(( +|/)[^\s/]+)*")  # tf2 accepts more, but for an empty one
 
 
 def is_topic(name: str) -> bool:
@@ -30,6 +36,11 @@ def is_topic(name: str) -> bool:
 def is_frame(name: str) -> bool:
     """True if a frame can have this name, which may begin with "/"."""
     return len(name) <= MAX_LENGTH and bool(_FRAME.fullmatch(name))
+
+
+def is_name(name: str) -> bool:
+    """True if a body, joint or plugin can have this name: any text of one line."""
+    return name.isprintable() and 0 < len(name) <= MAX_LENGTH
 
 
 def topic_name_problem(name: str) -> Optional[str]:

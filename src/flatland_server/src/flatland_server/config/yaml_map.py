@@ -15,6 +15,9 @@ from flatland_server.exceptions import YamlError, shortened, suggestion
 
 logger = logging.getLogger(__name__)
 
+_KEYS_OF_FORKS = {"flipped": "upside_down", "ignore_bodies": "layers"}
+"""Keys of other Flatlands' plugins, and those that do the same here: docs/coming_from_cpp.md."""
+
 REQUIRED: Any = object()
 """As a default: the key must be given."""
 
@@ -192,7 +195,9 @@ class YamlMap:
     def _note_unknown_keys(self) -> None:
         not_given = [key for key in self._read if key not in self._keys]
         for key in self._unread():
-            self._note_unknown_key(key, self.suggestion(key, not_given))
+            ours = _KEYS_OF_FORKS.get(key)
+            hint = f' (here it is "{ours}")' if ours in not_given else ""
+            self._note_unknown_key(key, hint or self.suggestion(key, not_given))
         self._read.update(self._keys)
 
     def _note_unknown_key(self, key: str, hint: str) -> None:

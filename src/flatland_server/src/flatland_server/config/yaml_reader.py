@@ -36,6 +36,7 @@ from flatland_server.config.yaml_values import (
     to_bool,
     to_frame,
     to_items,
+    to_name,
     to_string,
     to_strings,
     to_topic,
@@ -169,6 +170,15 @@ class YamlReader(YamlMap):
             default: the value if the key is missing; without it, the key is required.
         """
         return cast(str, self._get(key, default, to_frame, ""))
+
+    def get_name(self, key: str, default: Any = REQUIRED) -> str:
+        """The name of a body, joint or plugin: any text of one line.
+
+        Args:
+            key: of the value.
+            default: the value if the key is missing; without it, the key is required.
+        """
+        return cast(str, self._get(key, default, to_name, ""))
 
     def get_float(
         self,

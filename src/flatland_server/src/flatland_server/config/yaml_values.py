@@ -13,7 +13,7 @@ import yaml
 
 from flatland_server.arrays import FloatArray
 from flatland_server.config.plain_nodes import ArrayNode, to_content
-from flatland_server.config.ros_names import FRAME, TOPIC, is_frame, is_topic
+from flatland_server.config.ros_names import FRAME, NAME, TOPIC, is_frame, is_name, is_topic
 from flatland_server.exceptions import suggestion
 
 T = TypeVar("T")
@@ -80,6 +80,14 @@ def to_frame(node: yaml.Node) -> str:
     name = to_string(node)
     if not is_frame(name):
         raise ConversionError(FRAME)
+    return name
+
+
+def to_name(node: yaml.Node) -> str:
+    """The name of a body, joint or plugin."""
+    name = to_string(node)
+    if not is_name(name):
+        raise ConversionError(NAME)
     return name
 
 

@@ -1,7 +1,7 @@
 """Conversions of Flatland's values into messages."""
 
 import math
-from typing import Any
+from typing import Any, Tuple
 
 from flatland_server.geometry import Pose, Transform, quaternion
 from flatland_server.messages.message_types import TYPES
@@ -26,16 +26,16 @@ def header(nanoseconds: int, frame_id: str) -> Any:
     return TYPES.get("std_msgs/Header")(stamp=ros_time(nanoseconds), frame_id=frame_id)
 
 
-def fill_pose(message: Any, pose: Pose) -> None:
+def fill_pose(message: Any, pose: Tuple[float, float, float]) -> None:
     """Writes a pose into a message.
 
     Args:
         message: a geometry_msgs/Pose.
-        pose: [m, m, rad].
+        pose: [m, m, rad]; also that of a physics body.
     """
-    message.position.x, message.position.y = pose.x, pose.y
+    message.position.x, message.position.y, yaw = pose
     orientation = message.orientation
-    orientation.x, orientation.y, orientation.z, orientation.w = quaternion(pose.yaw)
+    orientation.x, orientation.y, orientation.z, orientation.w = quaternion(yaw)
 
 
 def yaw_of(orientation: Any) -> float:

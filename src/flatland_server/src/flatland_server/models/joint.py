@@ -81,7 +81,7 @@ class JointConfig:
 
 def _read_end(reader: YamlReader, body_names: Collection[str]) -> Tuple[str, Point]:
     """Reads an entry of a joint's `bodies`: the name of a body, and the anchor on it [m]."""
-    name = reader.get_frame("name")  # the form of body names: not empty
+    name = reader.get_name("name")
     if name and name not in body_names:
         hint = reader.suggestion(name, body_names)
         reader.problem(f'the model has no body "{shortened(name)}"{hint}', "name")

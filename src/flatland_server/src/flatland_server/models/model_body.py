@@ -48,7 +48,7 @@ class BodyConfig:
         body_type = reader.get_choice("type", BODY_TYPES, "dynamic")
         checker = _core.FixtureChecker(body_type)
         body = cls(
-            name=reader.get_frame("name"),
+            name=reader.get_name("name"),
             pose=reader.get_pose("pose", Pose()),
             type=body_type,
             color=reader.get_color("color", (1.0, 1.0, 1.0, 0.5)),

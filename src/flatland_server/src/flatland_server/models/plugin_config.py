@@ -29,7 +29,7 @@ class PluginConfig:
             YamlError: there is no type or no name, or the name is not allowed for a frame.
         """
         reader.accept_repeated_keys()
-        plugin = cls(reader.get_string("type"), reader.get_frame("name"), reader)
+        plugin = cls(reader.get_string("type"), reader.get_name("name"), reader)
         for key in ("type", "name"):
             if not reader.has(key):  # only the plugin knows which other keys there are
                 reader.suggest(key)

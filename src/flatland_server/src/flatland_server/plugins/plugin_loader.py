@@ -32,10 +32,15 @@ ALIASES = {"PedsimMovement": "Pedestrian", "PosePub": "PosePublisher"}
 declares a Python class of that name."""
 
 
-_CPP_PLUGINS = frozenset(
-    ["ackermannDrive", "RandomGates", "RandomWandering", "StaticLaser", "VehicleMovement"]
-)
-"""C++ plugins of public packages for the original Flatland, which may not be on the path."""
+_CPP_PLUGINS = {
+    "ackermannDrive": "",
+    "RandomGates": "",
+    "RandomWandering": "a Crowd whose pedestrians have several goals",
+    "StaticLaser": "a Laser with the map's layers",
+    "VehicleMovement": "a Pedestrian in a model without legs",
+}
+"""C++ plugins of public packages for the original Flatland, which may not be on the path, and what
+docs/coming_from_cpp.md tells to use for them."""
 
 
 class PluginLoader:
@@ -83,7 +88,9 @@ class PluginLoader:
             cpp = answering[0]
             raise PluginError(_cpp_error(type, f"of the package {cpp.package} ({cpp.class_path})"))
         if not found and name in _CPP_PLUGINS:
-            raise PluginError(_cpp_error(type, "of other packages for the original Flatland"))
+            text = _cpp_error(type, "of other packages for the original Flatland")
+            replacement = _CPP_PLUGINS[name] and f", or use {_CPP_PLUGINS[name]}"
+            raise PluginError(text + replacement)
         if not found:
             names = sorted(d.name for d in self._declarations if not d.is_cpp)
             known = ", ".join(names) or f"none; {_question()}"

@@ -6,11 +6,12 @@ would get both by turns, and the filter its own output.
 
 import logging
 import threading
-from typing import Any, List, Mapping, Set, Tuple
+from typing import Any, List, Mapping, Optional, Set, Tuple
 
 import rosgraph
 import rospy
 
+from flatland_server.ros.other_localisers import OtherLocalisers
 from flatland_server.ros.rospy_patches.master_calls import NO_ANSWER, Master
 
 logger = logging.getLogger(__name__)
@@ -25,11 +26,18 @@ class OtherPublishers:
     Args:
         counts: the number of publishers that plugins have of each topic.
         master: to ask.
+        localisers: is told of all publishers, if the server places frames of odometry.
     """
 
-    def __init__(self, counts: Mapping[str, int], master: Master) -> None:
+    def __init__(
+        self,
+        counts: Mapping[str, int],
+        master: Master,
+        localisers: Optional[OtherLocalisers] = None,
+    ) -> None:
         self._counts = counts
         self._master = master
+        self._localisers = localisers
         self._known: Set[Tuple[str, str]] = set()
         self._end = threading.Event()
         rospy.on_shutdown(self._end.set)
@@ -48,6 +56,8 @@ class OtherPublishers:
             publishers = self._master.publishers()
         except NO_ANSWER:
             return
+        if self._localisers is not None:
+            self._localisers.follow(publishers)
         found = self._others(publishers)
         for topic, node in sorted(found - self._known):
             logger.warning(
@@ -64,6 +74,6 @@ class OtherPublishers:
         return {(t, node) for t, nodes in publishers if t in mine for node in nodes if node != me}
 
 
-def watch(counts: Mapping[str, int]) -> None:
+def watch(counts: Mapping[str, int], localisers: Optional[OtherLocalisers]) -> None:
     """Starts to watch the publishers of some topics; see `OtherPublishers`."""
-    OtherPublishers(counts, Master(rosgraph.get_master_uri())).start()
+    OtherPublishers(counts, Master(rosgraph.get_master_uri()), localisers).start()

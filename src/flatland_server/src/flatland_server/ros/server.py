@@ -6,7 +6,7 @@ The node flatland_benchmark does the same, and ends after some simulated time.
 import atexit
 import gc
 import logging
-from typing import Callable
+from typing import Callable, Optional
 
 import rospy
 
@@ -19,6 +19,7 @@ from flatland_server.ros.interactive_marker_manager import InteractiveMarkerMana
 from flatland_server.ros.launch_arguments import check_launch_arguments, parent_command_line
 from flatland_server.ros.loading_publisher import LoadingPublisher
 from flatland_server.ros.log_handler import RosLogHandler, tolerate_write_errors
+from flatland_server.ros.other_localisers import OtherLocalisers
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.server_config import ServerConfig
 from flatland_server.ros.service_manager import RosServiceHost
@@ -102,13 +103,13 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
         manager = SimulationManager(
             world, timekeeper, config.update_rate, command_age=config.command_age
         )
-        _open_topics(manager, transport, config)
+        localisers = _open_topics(manager, transport, config)
     exclude_from_garbage_collection()
     if transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT):
         warn_of_other_times()  # of two nodes that start together, the second one sees the first
     else:
         rospy.logwarn("the simulation starts before the ROS master knows all of its topics")
-    other_publishers.watch(transport.publisher_counts)
+    other_publishers.watch(transport.publisher_counts, localisers)
     rospy.loginfo(
         "%s: %s, %s; running",
         config.world_path,
@@ -123,8 +124,14 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
         shutdown.finish()
 
 
-def _open_topics(manager: SimulationManager, transport: RosTransport, config: ServerConfig) -> None:
-    """Opens the topics and services other than those of plugins."""
+def _open_topics(
+    manager: SimulationManager, transport: RosTransport, config: ServerConfig
+) -> Optional[OtherLocalisers]:
+    """Opens the topics and services other than those of plugins.
+
+    Returns:
+        The watch for other localisers, if the server sends map -> odom.
+    """
     edits = ClientEdits(manager.world)
     clock = ClockPublisher(manager.timekeeper, transport.rospy_calls)
     manager.after_step.append(clock.tick)
@@ -149,13 +156,17 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
     if config.realtime_priority:
         manager.on_tick.append(ThreadPriority().update)
     manager.on_tick.append(SlowPluginWatch().update)
+    localisers = None
     if config.map_to_odom:
-        manager.on_tick.append(MapToOdom(transport, lambda: manager.world.odometry_frames).update)
+        placed = MapToOdom(transport, lambda: manager.world.odometry_frames)
+        manager.on_tick.append(placed.update)
+        localisers = OtherLocalisers(lambda: placed.frames)
     files = ClientFiles(manager.world, config.state_folder)
     host = RosServiceHost(transport)
     ModelServices(manager.world, host, files, edits)
-    StateServices(manager, host, files, config.control_period)
+    StateServices(manager, host, files, config.control_period, config.train_mode)
     WorldSaving(manager, host, files, edits)
+    return localisers
 
 
 def exclude_from_garbage_collection() -> None:

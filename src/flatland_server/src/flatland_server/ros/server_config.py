@@ -18,7 +18,9 @@ class ServerConfig(NamedTuple):
     world_path: Path
     update_rate: float
     step_size: float
-    control_period: float
+    control_period: Optional[float]
+    """Simulated time of a call of /step_world [s]; None is the default of `StateServices`."""
+    train_mode: bool
     show_viz: bool
     viz_pub_rate: float
     seed: int
@@ -57,12 +59,14 @@ class ServerConfig(NamedTuple):
         if no_return not in ("inf", "nan", "max"):
             raise FlatlandError(f"~no_return: expected inf, nan or max, found {no_return}")
         show_viz = _flag("~show_viz", True)
+        period = _param("~control_period", None)
         launch_file = rospy.get_param("~launch_file", "")
         return cls(
             world_path=_world_file(str(world_path)),
             update_rate=positive_param("~update_rate", 200.0, allow_infinity=True),
             step_size=positive_param("~step_size", 0.005),
-            control_period=positive_param("~control_period", 0.1),
+            control_period=None if period is None else _positive("~control_period", period),
+            train_mode=_flag("~train_mode", False),
             show_viz=show_viz,
             viz_pub_rate=positive_param("~viz_pub_rate", 30.0),
             seed=seed,
@@ -145,7 +149,10 @@ def positive_param(name: str, default: float, *, allow_infinity: bool = False) -
     Raises:
         FlatlandError: it is something else.
     """
-    value: Any = _param(name, default)
+    return _positive(name, _param(name, default), allow_infinity=allow_infinity)
+
+
+def _positive(name: str, value: Any, *, allow_infinity: bool = False) -> float:
     try:
         number = math.nan if isinstance(value, bool) else float(value)
     except (TypeError, ValueError):

@@ -97,7 +97,7 @@ class ClientFiles:
         return path
 
     def model_file(self, name: str) -> Path:
-        """The path of a model file.
+        """The path of a model file; a relative one begins in the world's folder.
 
         Raises:
             FlatlandError: there is no such file, or it is not in the folders for clients.
@@ -107,7 +107,8 @@ class ClientFiles:
                 "expected the path of a model file, found a text: /spawn_model_from_string takes "
                 "one"
             )
-        return self._readable(self._world.config.find_model(name), name)
+        config = self._world.config
+        return self._readable(config.find_model(name, config.model_folders[0]), name)
 
     def _readable(self, path: Path, name: str) -> Path:
         if self._state_folder is not None:

@@ -37,6 +37,11 @@ class MapToOdom:
         self._published: Set[str] = {FRAME_ID}
         self._publish({*always, *odometry_frames()})
 
+    @property
+    def frames(self) -> Set[str]:
+        """The frames that were placed in the map."""
+        return self._published - {FRAME_ID}
+
     def update(self) -> None:
         """Publishes if there is a new frame; to be called often."""
         if self._timer.check_update():

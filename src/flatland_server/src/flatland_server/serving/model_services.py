@@ -10,15 +10,15 @@ from flatland_server.messages.message_types import get
 from flatland_server.messages.model_markers import preview
 from flatland_server.models.model import ModelText
 from flatland_server.serving.client_edits import ClientEdits
-from flatland_server.serving.client_files import ClientFiles, EntryError, told
+from flatland_server.serving.client_files import ClientFiles, EntryError
 from flatland_server.serving.service_host import ServiceHost
+from flatland_server.serving.topic_requests import obey
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import ModelEntry, ModelSource
 
 logger = logging.getLogger(__name__)
 
 MarkerArray = get("visualization_msgs/MarkerArray")
-MoveModelMsg = get("flatland_msgs/MoveModelMsg")
 
 T = TypeVar("T")
 
@@ -26,7 +26,7 @@ _NOT_REGISTERED = "spawned; its topics can be used when the ROS master answers"
 
 
 class ModelServices:
-    """Offers the services that spawn, delete, move and show models, and subscribes to `move_model`.
+    """Offers the services that spawn, delete, move and show models, and obeys `move_model`.
 
     A model within a wall or another model is spawned all the same: `success` is true, and
     `message` is a warning; otherwise `message` is empty.
@@ -45,11 +45,11 @@ class ModelServices:
         self._edits = edits
         self._host = host
         self._files = files
-        self._last_warning = ""
         actions = {
             "spawn_model": ("SpawnModel", self._spawn_model),
             "spawn_model_from_string": ("SpawnModel", self._spawn_from_string),
             "spawn_models": ("SpawnModels", self._spawn_models),
+            "spawn_models_from_string": ("SpawnModels", self._spawn_all_from_string),
             "delete_model": ("DeleteModel", self._delete_model),
             "delete_models": ("DeleteModels", self._delete_models),
             "move_model": ("MoveModel", self._move_model),
@@ -57,31 +57,39 @@ class ModelServices:
         }
         for name, (kind, action) in actions.items():
             host.offer(name, f"flatland_msgs/{kind}", action)
-        world.transport.subscribe("move_model", MoveModelMsg, self._receive_move)
+        obey(
+            world.transport,
+            "move_model",
+            "flatland_msgs/MoveModelMsg",
+            lambda message: self._move(message.name, _to_pose(message.pose)),
+        )
 
     def _spawn_model(self, request: Any) -> Dict[str, Any]:
-        def read() -> ModelEntry:
-            return self._read(request, self._files.model_file(request.yaml_path))
-
-        return {"message": self._spawn(read, self._add)}
+        return {"message": self._spawn(lambda: self._read(request, self._file), self._add)}
 
     def _spawn_from_string(self, request: Any) -> Dict[str, Any]:
-        source = ModelText(request.yaml_path, request.name)
-        return {"message": self._spawn(lambda: self._read(request, source), self._add)}
+        return {"message": self._spawn(lambda: self._read(request, _text), self._add)}
 
     def _spawn_models(self, request: Any) -> Dict[str, Any]:
-        def read() -> List[ModelEntry]:
-            entries = []
-            for index, model in enumerate(request.models):
-                with _naming_entry("models", index, model.name):
-                    entries.append(self._read(model, self._files.model_file(model.yaml_path)))
-            return entries
+        return {"message": self._spawn(lambda: self._read_all(request, self._file), self._add_all)}
 
-        return {"message": self._spawn(read, self._add_all)}
+    def _spawn_all_from_string(self, request: Any) -> Dict[str, Any]:
+        return {"message": self._spawn(lambda: self._read_all(request, _text), self._add_all)}
 
-    def _read(self, model: Any, source: ModelSource) -> ModelEntry:
+    def _file(self, model: Any) -> ModelSource:
+        return self._files.model_file(model.yaml_path)
+
+    def _read(self, model: Any, source: Callable[[Any], ModelSource]) -> ModelEntry:
         """Reads a model, which has the fields of a request of SpawnModel."""
-        return self._world.read_model_entry(source, model.name, model.ns, _to_pose(model.pose))
+        pose = _to_pose(model.pose)
+        return self._world.read_model_entry(source(model), model.name, model.ns, pose)
+
+    def _read_all(self, request: Any, source: Callable[[Any], ModelSource]) -> List[ModelEntry]:
+        entries = []
+        for index, model in enumerate(request.models):
+            with _naming_entry("models", index, model.name):
+                entries.append(self._read(model, source))
+        return entries
 
     def _spawn(self, read: Callable[[], T], add: Callable[[T], str]) -> str:
         """Reads on this thread, adds on the simulation's; returns a warning, or an empty string."""
@@ -153,17 +161,6 @@ class ModelServices:
         self._world.move_model(name, pose)
         self._edits.note_move(name, pose)
 
-    def _receive_move(self, message: Any) -> None:
-        """Moves a model; warns of a message that it cannot obey, once of equal ones."""
-        warning = ""
-        try:
-            self._move(message.name, _to_pose(message.pose))
-        except (FlatlandError, ValueError) as error:
-            warning = told(error)
-            if warning != self._last_warning:
-                logger.warning("%s: %s", self._world.transport.resolve("move_model"), warning)
-        self._last_warning = warning
-
     def _get_markers(self, request: Any) -> Dict[str, Any]:
         markers = preview(self._world.read_model(self._files.model_file(request.yaml_path)))
         return {"markers": MarkerArray(markers)}
@@ -176,6 +173,10 @@ def _naming_entry(key: str, index: int, name: str) -> Iterator[None]:
         yield
     except FlatlandError as error:
         raise EntryError(f'{key}[{index}] "{shortened(name)}"', error) from error
+
+
+def _text(model: Any) -> ModelSource:
+    return ModelText(model.yaml_path, model.name)
 
 
 def _to_pose(pose: Any) -> Pose:

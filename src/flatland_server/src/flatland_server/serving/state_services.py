@@ -1,24 +1,30 @@
 """The services that control time and state: steps, resets, and saved states."""
 
+import logging
 from concurrent.futures import Future
-from typing import Any, Callable, Dict
+from typing import Any, Callable, Dict, Optional
 
 from flatland_server.arguments import steps_in
-from flatland_server.exceptions import FlatlandError
+from flatland_server.exceptions import FlatlandError, UsageError
 from flatland_server.messages import ros_time
 from flatland_server.serving.client_files import ClientFiles
 from flatland_server.serving.service_host import ServiceHost
+from flatland_server.serving.topic_requests import obey
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.simulation.world_state import read_state, write_state
 
+logger = logging.getLogger(__name__)
+
+_CONTROL_PERIOD = 0.1
+"""Simulated time of a call of /step_world, unless the server has another [s]."""
 _DEFAULT_TIMEOUT = 10.0
 """Real time that /step waits for messages if the request does not say [s]."""
 
 
 class StateServices:
     """Offers /step, /step_world, /reset, /reload_world, /open_world, /save_state, /load_state,
-    /seek, /change_rate, /pause, /resume and /toggle_pause.
+    /seek, /change_rate, /pause, /resume and /toggle_pause, and obeys the topic `step_world`.
 
     Like the services for models, they read and write files on the threads of clients, and change
     the world on the simulation's thread, between two steps.
@@ -27,7 +33,12 @@ class StateServices:
         manager: the simulation.
         host: offers the services.
         files: finds the files that clients name.
-        control_period: simulated time of a call of /step_world [s].
+        control_period: simulated time of a call of /step_world [s]; by default 0.1 s, or one step
+            if that is no multiple of the steps.
+        train_mode: whether time stands still between requests for steps.
+
+    Raises:
+        UsageError: the control period is no multiple of the steps.
     """
 
     def __init__(
@@ -35,15 +46,20 @@ class StateServices:
         manager: SimulationManager,
         host: ServiceHost,
         files: ClientFiles,
-        control_period: float,
+        control_period: Optional[float] = None,
+        train_mode: bool = False,
     ) -> None:
         self._manager = manager
         self._files = files
         self._host = host
-        self._control_period = control_period
+        self._control_steps = _control_steps(control_period, manager.timekeeper.step_size)
+        self._train_mode = train_mode
+        self._has_told = False  # that time goes on
+        if train_mode:
+            manager.pause()
         actions = {
             "step": ("flatland_msgs/Step", self._step),
-            "step_world": ("flatland_msgs/StepWorld", self._step_world),
+            "step_world": ("std_srvs/Empty", self._step_world),
             "reset": ("flatland_msgs/Reset", self._reset),
             "reload_world": ("std_srvs/Trigger", self._reload_world),
             "open_world": ("flatland_msgs/OpenWorld", self._open_world),
@@ -57,6 +73,12 @@ class StateServices:
         }
         for name, (kind, action) in actions.items():
             host.offer(name, kind, action)
+        obey(
+            manager.transport,
+            "step_world",
+            "flatland_msgs/StepWorld",
+            lambda message: self._advance_by(message.required_time),
+        )
 
     def _step(self, request: Any) -> Dict[str, Any]:
         expected = [self._manager.transport.resolve(topic) for topic in request.expect]
@@ -67,14 +89,18 @@ class StateServices:
 
     def _step_world(self, request: Any) -> None:
         """The service /step_world. Its response is empty: errors are those of the call."""
-        manager = self._manager
+        self._host.wait(self._host.call(lambda: self._advance(self._control_steps)))
 
-        def begin() -> "Future[int]":
-            count = steps_in(self._control_period, manager.timekeeper.step_size, "~control_period")
-            manager.pause()
-            return manager.request_steps(count)
+    def _advance_by(self, duration: float) -> None:
+        """Makes the steps of a duration [s]; one step if it is 0."""
+        step_size = self._manager.timekeeper.step_size
+        self._advance(steps_in(duration, step_size, "required_time") if duration else 1)
 
-        self._host.wait(self._host.call(begin))
+    def _advance(self, count: int) -> "Future[int]":
+        if self._manager.is_stepping and not self._train_mode and not self._has_told:
+            self._has_told = True
+            logger.info("time goes on between calls of /step_world: train_mode is not set")
+        return self._manager.advance(count, then_pause=self._train_mode)
 
     def _change_rate(self, request: Any) -> None:
         self._host.call(lambda: self._manager.change_rate(request.rate))
@@ -137,3 +163,14 @@ class StateServices:
 
         self._host.call(change)
         self._host.wait_until_registered()
+
+
+def _control_steps(control_period: Optional[float], step_size: float) -> int:
+    """The steps of a call of /step_world."""
+    if control_period is not None:
+        return steps_in(control_period, step_size, "~control_period")
+    try:
+        return steps_in(_CONTROL_PERIOD, step_size, "")
+    except UsageError:
+        logger.info("/step_world makes one step, of %g s", step_size)
+        return 1

@@ -136,10 +136,33 @@ class SimulationManager(RunWithHistory):
             raise FlatlandError("the steps of another request are being made")
         if not self.is_paused:
             raise FlatlandError("the simulation is not paused")
+        return self._begin(count, expected, timeout).done
+
+    def advance(self, count: int, *, then_pause: bool) -> "Future[int]":
+        """Makes `run` make steps, paused or not, one after the other without waits.
+
+        Args:
+            count: how many; they follow those of a request that is being served.
+            then_pause: whether the simulation is paused after them; else it is as before.
+
+        Returns:
+            A future as of `request_steps`.
+        """
+        if self._request is not None:
+            self._request.extend(count)
+            return self._request.done
+        request = self._begin(count)
+        request.resumes = not (self.is_paused or then_pause)
+        self.is_paused = True
+        return request.done
+
+    def _begin(
+        self, count: int, expected: Sequence[str] = (), timeout: float = math.inf
+    ) -> StepRequest:
         deadline = self._clock() + timeout
         self._request = StepRequest(count, expected, deadline, self.transport.arrivals)
         self.transport.returns_on_arrival = True
-        return self._request.done
+        return self._request
 
     def run(self, goes_on: Callable[[], bool]) -> None:
         """Runs in real time until `goes_on()`, which is called before each step, is false.
@@ -204,6 +227,8 @@ class SimulationManager(RunWithHistory):
         request, self._request = self._request, None
         self.transport.returns_on_arrival = False
         if request is not None:
+            if request.resumes and not request.done.done():
+                self.resume()
             request.finish(self.timekeeper.nanoseconds)
 
     def _step(self) -> None:

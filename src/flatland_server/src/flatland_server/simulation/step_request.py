@@ -32,6 +32,8 @@ class StepRequest:
                 raise ValueError(f"nothing in the simulation subscribes to {topic}{hint}")
         self.done: Future[int] = Future()
         """The simulated time after the last step [ns], or the exception that ended the request."""
+        self.resumes = False
+        """Whether the pause ends once the steps are made."""
         self._left = count
         self._has_begun = False
         self._expected = expected
@@ -53,6 +55,10 @@ class StepRequest:
                 return False
             self._has_begun = True
         return not self.done.done()
+
+    def extend(self, count: int) -> None:
+        """Adds steps that follow those that are left."""
+        self._left += count
 
     def step_made(self) -> None:
         """Counts a step that was made."""

@@ -223,11 +223,12 @@ class WorldConfig:
             return ModelConfig.from_content(source, self.registry, preprocessor)
         return ModelConfig.from_file(self.find_model(source), self.registry, preprocessor)
 
-    def find_model(self, source: Union[str, Path]) -> Path:
+    def find_model(self, source: Union[str, Path], base: Path = Path()) -> Path:
         """The path of a model file: as named, beside the world file, or in a folder of models.
 
         Args:
             source: its name, which may be a `package://name/path`.
+            base: the folder in which a relative name begins; by default the working directory.
 
         Raises:
             ModelError: there is no such file.
@@ -236,7 +237,7 @@ class WorldConfig:
             raise ModelError("expected the path of a model file, found an empty string")
         folders = self.model_folders if is_bare(source) else ()
         try:
-            path = find_file(source, [Path(), *folders])
+            path = find_file(source, [base, *folders])
         except FlatlandError as error:
             raise ModelError(str(error)) from None
         if not is_file(path):

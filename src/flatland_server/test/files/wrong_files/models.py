@@ -115,8 +115,8 @@ WRONG_MODELS: Dict[str, Case] = {
      'robot.model.yaml:31: joints[0].bodies[1].name: the model has no body "weel" '
      '(did you mean "wheel"?)'),
     "a body of no name": (MODEL, "{name: wheel, anchor: [0, 0]}", '{name: "", anchor: [0, 0]}',
-     'robot.model.yaml:31: joints[0].bodies[1].name: expected a name without spaces or empty '
-     'parts, at most 255 characters (it names a frame), found ""'),
+     'robot.model.yaml:31: joints[0].bodies[1].name: expected a name of at most 255 characters, '
+     'on one line, found ""'),
     "one body": (MODEL, "      - {name: wheel, anchor: [0, 0]}\n", "",
      "robot.model.yaml:30: joints[0].bodies: expected two bodies, found 1"),
     "a joint to a body that is not enabled": (MODEL, "- name: wheel",

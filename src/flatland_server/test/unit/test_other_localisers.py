@@ -1,0 +1,72 @@
+"""Warnings of other nodes that place the odometry frames which the server places."""
+
+from types import SimpleNamespace
+
+import pytest
+import rospy
+from geometry_msgs.msg import TransformStamped
+from logged import warnings
+from tf2_msgs.msg import TFMessage
+
+from flatland_server.ros import other_localisers
+from flatland_server.ros.other_localisers import OtherLocalisers
+
+BESIDE_AMCL = [["/tf", ["/server", "/amcl"]], ["/scan", ["/server"]]]
+
+
+class Subscriber:
+    """A fake of rospy's: `open` has the callbacks by topic."""
+
+    open = {}
+
+    def __init__(self, topic, _type, callback):
+        self._topic = topic
+        self.open[topic] = callback
+
+    def unregister(self):
+        del self.open[self._topic]
+
+
+@pytest.fixture
+def watch(monkeypatch):
+    """A watch of the frames odom and r1_odom, and the real time that it sees."""
+    monkeypatch.setattr(rospy, "get_name", lambda: "/server")
+    monkeypatch.setattr(rospy, "Subscriber", Subscriber)
+    clock = SimpleNamespace(now=0.0)
+    monkeypatch.setattr(other_localisers, "time", SimpleNamespace(monotonic=lambda: clock.now))
+    yield OtherLocalisers(lambda: {"odom", "r1_odom"}), clock
+    Subscriber.open.clear()
+
+
+def send(node, child, topic="/tf"):
+    transform = TransformStamped(child_frame_id=child)
+    message = TFMessage([transform])
+    message._connection_header = {"callerid": node}
+    Subscriber.open[topic](message)
+
+
+@pytest.mark.parametrize("topic", ["/tf", "/tf_static"])
+def test_a_localiser_beside_map_to_odom_is_named_once(watch, caplog, topic):
+    watch[0].follow(BESIDE_AMCL)
+
+    for node, child in (("/server", "odom"), ("/amcl", "base_link"), *2 * [("/amcl", "/r1_odom")]):
+        send(node, child, topic)
+
+    [warning] = warnings(caplog)
+    assert warning.startswith('both /amcl and the server place the frame "r1_odom": start server.')
+    assert "map_to_odom:=false" in warning
+
+
+def test_transforms_are_received_only_while_a_node_is_new(watch, caplog):
+    others, clock = watch
+    others.follow([["/tf", ["/server"]]])
+    assert not Subscriber.open
+
+    others.follow(BESIDE_AMCL)
+    assert set(Subscriber.open) == {"/tf", "/tf_static"}
+
+    clock.now = 61.0
+    others.follow(BESIDE_AMCL)
+    assert not Subscriber.open
+    others.follow([["/tf", ["/server", "/amcl", "/gmapping"]]])
+    assert Subscriber.open
