@@ -52,6 +52,7 @@ def parts_of(world: World) -> WorldState:
         0,
         _wall_counts(contents.config),
         contents.additions.states_of(contents.models),
+        {name: list(pose) for name, pose in contents.layout.items()},
         contents.additions.walls,
         list(_footprints(world)),
         [],
@@ -69,6 +70,7 @@ def restore(state: WorldState, world: World) -> None:
     try:
         _check_walls(state, contents.config)
         _replay_additions(state, world)
+        contents.layout = {name: Pose(*pose) for name, pose in state.layout.items()}
         for footprint in state.footprints:
             _restore_footprint(footprint, world)
         plugins = state.plugins
