@@ -177,8 +177,8 @@ def _cylinders(path: Path) -> FloatArray:
     for x, y, radius in cylinders.tolist():
         if not (max(abs(x), abs(y), radius) <= _FARTHEST and radius >= _SMALLEST):
             raise FlatlandError(
-                f"{path}: expected cylinders of {_SMALLEST} m or more within {_FARTHEST:g} m of the "
-                f"origin, found one of radius {radius} at {x}, {y}"
+                f"{path}: expected cylinders of {_SMALLEST} m or more within {_FARTHEST:g} m of "
+                f"the origin, found one of radius {radius} at {x}, {y}"
             )
     return cylinders
 

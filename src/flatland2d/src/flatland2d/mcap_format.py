@@ -5,8 +5,8 @@ import zlib
 from typing import Dict, Iterator, Tuple
 
 from flatland2d.recording_format import (
-    Bytes,
     LARGEST_CHUNK,
+    Bytes,
     Channel,
     Damaged,
     Fields,

@@ -101,7 +101,9 @@ def read_recording(path: Path) -> Iterator[Recorded]:
         RecordingError: it cannot be read, or is no recording.
     """
     try:
-        with open_regular(path, _refusal) as file, mmap.mmap(file.fileno(), 0, prot=mmap.PROT_READ) as data:
+        with open_regular(path, _refusal) as file, mmap.mmap(
+            file.fileno(), 0, prot=mmap.PROT_READ
+        ) as data:
             for kind in _FORMATS.values():
                 if data[: len(kind.magic)] == kind.magic:
                     with contextlib.suppress(Damaged):

@@ -143,7 +143,7 @@ def test_a_cylinder_of_an_impossible_radius_is_refused(tmp_path, radius):
     path = tmp_path / "world_files" / "world_3.world"
     path.write_text(path.read_text().replace("0.075000", radius, 1))
 
-    with pytest.raises(FlatlandError, match="world_3.world: expected cylinders of 0.001 m or more"):
+    with pytest.raises(FlatlandError, match=r"world_3\.world: expected cylinders of 0\.001 m"):
         read_barn(tmp_path)
 
 
@@ -154,7 +154,7 @@ def test_a_cylinder_of_an_impossible_radius_is_refused(tmp_path, radius):
 def test_a_path_of_impossible_cells_is_refused(tmp_path, cells):
     write_world(tmp_path, cells=cells)
 
-    with pytest.raises(FlatlandError, match="path_3.npy: expected columns and rows of cells"):
+    with pytest.raises(FlatlandError, match=r"path_3\.npy: expected columns and rows"):
         read_barn(tmp_path)
 
 
@@ -165,7 +165,7 @@ def test_a_path_takes_no_memory_that_its_file_does_not_have(tmp_path):
     path.write_bytes(content.replace(b"(2, 2), }" + b" " * 9, b"(2" + b"0" * 9 + b", 2), }"))
     assert path.stat().st_size == len(content)
 
-    with pytest.raises(FlatlandError, match="path_3.npy: expected columns and rows of cells"):
+    with pytest.raises(FlatlandError, match=r"path_3\.npy: expected columns and rows"):
         read_barn(tmp_path)
 
 

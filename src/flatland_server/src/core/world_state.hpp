@@ -92,7 +92,7 @@ struct ContactState {
       if (friction < 0.0f || restitution < 0.0f) Archive::Fail();
       if (manifold.pointCount < 0 || manifold.pointCount > b2_maxManifoldPoints) Archive::Fail();
     }
-    if (manifold.pointCount == 0) return;  // Box2D leaves the rest as the memory was
+    if (manifold.pointCount == 0) return;  // the rest is not initialised
     uint32_t type = manifold.type;
     archive(type, manifold.localNormal, manifold.localPoint);
     if constexpr (Archive::kIsReader) {

@@ -49,7 +49,9 @@ def save_at_random(server: Server, folder: Path, seed: int, count: int, findings
     findings.expect(server.call("/open_world", OpenWorld, path=str(world)).success, "open_world")
     _Saver(server, world, f"seed {seed}", random.Random(f"saves {seed}"), findings).run(count)
     refused = server.call("/save_world", SaveWorld, path=str(foreign))
-    findings.expect(not refused.success and foreign.read_bytes() == before, f"seed {seed}: {foreign}")
+    findings.expect(
+        not refused.success and foreign.read_bytes() == before, f"seed {seed}: {foreign}"
+    )
     findings.expect(server.call("/open_world", OpenWorld, path=str(WORLD)).success, "open_world")
     wait_until(lambda: models_shown(server) == before_models, "the models of the test room")
 

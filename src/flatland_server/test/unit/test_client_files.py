@@ -163,7 +163,13 @@ def test_with_a_folder_of_states_worlds_and_models_are_those_of_the_servers_owne
 @pytest.mark.parametrize(
     "content",
     [
-        *("root:x:0:0:secret\n", "password: secret\n", "- secret\n", "a: [secret\n", "a: *secrets\n"),
+        *(
+            "root:x:0:0:secret\n",
+            "password: secret\n",
+            "- secret\n",
+            "a: [secret\n",
+            "a: *secrets\n",
+        ),
         "site_name: secret\nplugins:\n- secret\nsecret: 1\n",
         "layers: secret\nproperties: secret\n",
         "layers: [{name: secret, secret: 1}]\n",

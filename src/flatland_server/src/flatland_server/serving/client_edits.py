@@ -79,7 +79,7 @@ class ClientEdits:
         former = {entry.name: entry for entry in contents.config.models}
         for name, pose in layout.items():
             entry, before = present.get(name), former.get(name)
-            if before is not None and (entry is None or is_same(entry, before)):
+            if before is not None and (entry is None or _is_same(entry, before)):
                 new = nearest(before.pose, pose)
                 if new != before.pose:
                     changes.poses[name] = new
@@ -105,11 +105,14 @@ def nearest(former: Pose, pose: Pose) -> Pose:
     )
 
 
-def is_same(entry: ModelEntry, other: ModelEntry) -> bool:
+def _is_same(entry: ModelEntry, other: ModelEntry) -> bool:
     """True if models of two entries differ in their poses at most."""
     model, before = entry.model, other.model
     return (
         entry.namespace == other.namespace
         and model.content == before.content
-        and (model.path == before.path or os.path.realpath(model.path) == os.path.realpath(before.path))
+        and (
+            model.path == before.path
+            or os.path.realpath(model.path) == os.path.realpath(before.path)
+        )
     )

@@ -102,7 +102,8 @@ class WorldSaving:
         have.
         """
         path = new.path
-        assert path is not None and former.path is not None
+        assert path is not None
+        assert former.path is not None
         try:
             with replacing(path) as partial:
                 with partial.open("xb") as file:
@@ -131,7 +132,7 @@ class WorldSaving:
 
     def _require_models(self, path: Path, new: WorldConfig, former: WorldConfig) -> None:
         """Checks that a world file can be loaded, and has the models of a world."""
-        assert new.path is not None and former.path is not None
+        assert new.path is not None
         try:
             with self._preprocessor() as preprocessor:
                 models = new.read_again(path, preprocessor).models
