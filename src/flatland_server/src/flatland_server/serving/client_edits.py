@@ -80,10 +80,9 @@ class ClientEdits:
         for name, pose in layout.items():
             entry, before = present.get(name), former.get(name)
             if before is not None and (entry is None or _is_same(entry, before)):
-                new = nearest(before.pose, pose)
-                if new != before.pose:
-                    changes.poses[name] = new
                 del former[name]
+                if pose != before.pose and nearest(before.pose, pose) != before.pose:
+                    changes.poses[name] = nearest(before.pose, pose)
             elif entry is not None:  # else a plugin has deleted what a client had spawned
                 changes.added.append(replace(entry, pose=nearest(_ORIGIN, pose)))
         changes.deleted.extend(former)
@@ -108,7 +107,7 @@ def nearest(former: Pose, pose: Pose) -> Pose:
 def _is_same(entry: ModelEntry, other: ModelEntry) -> bool:
     """True if models of two entries differ in their poses at most."""
     model, before = entry.model, other.model
-    return (
+    return entry is other or (
         entry.namespace == other.namespace
         and model.content == before.content
         and (

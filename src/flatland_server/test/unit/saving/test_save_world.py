@@ -600,7 +600,7 @@ class RandomUser:
         self.save()
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(8))
 def test_a_saved_file_has_the_worlds_models_whatever_was_done_before(files, tmp_path, seed):
     (files.folder / "more").mkdir()
     files.write("more/box.yaml", BOX)
