@@ -6,7 +6,6 @@ Navigation", 2020). Its challenge drives a Jackal through them: start, goal, lim
 those of the challenge's run.py.
 """
 
-import io
 import os
 import re
 from pathlib import Path
@@ -16,13 +15,14 @@ from xml.etree import ElementTree
 import numpy as np
 import yaml
 
-from flatland_server.arrays import FloatArray
-from flatland_server.config.input_files import MAX_YAML, read_input, replacing
+from flatland_server.arrays import FloatArray, npy_array
+from flatland_server.config.input_files import MAX_IMAGE, MAX_YAML, read_input, replacing
 from flatland_server.exceptions import FlatlandError, listed
 
 START = (-2.25, 3.0, 1.57)  # m, m, rad
 GOAL = (START[0], START[1] + 10.0)  # m
 _CELL = 0.15  # m
+_FARTHEST, _SMALLEST = 1000.0, 0.001  # cylinders from the origin, and radii [m]
 _CORNER = (-0.075 - 30 * _CELL, 0.075 + 5.0)  # of the grid's first cell [m]
 
 _ROBOT = """\
@@ -104,7 +104,7 @@ def write_barn(worlds: List[BarnWorld], folder: Path) -> None:
             world_N.yaml and world_N.model.yaml.
 
     Raises:
-        FlatlandError: a file cannot be written.
+        FlatlandError: a file cannot be written, or there is another one of its name.
     """
     entries = [
         {"world": f"world_{world.number}.yaml", "shortest_path": round(world.shortest_path, 3)}
@@ -125,11 +125,18 @@ def write_barn(worlds: List[BarnWorld], folder: Path) -> None:
         files[f"{name}.yaml"] = _dump(
             {"properties": {}, "layers": [{"name": "walls"}], "models": [robot, cylinders]}
         )
+    there = [name for name in files if os.path.lexists(folder / name)]
+    for name in there:
+        if read_input(folder / name, MAX_IMAGE, _refusal) != files[name].encode():
+            raise FlatlandError(
+                f"{folder / name}: expected a new file, found one with other content: delete it, "
+                "or choose another folder by --out"
+            )
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for name, text in files.items():
+        for name in files.keys() - there:
             with replacing(folder / name) as temporary:
-                temporary.write_text(text)
+                temporary.write_text(files[name])
     except OSError as error:
         raise FlatlandError(f"{folder}: cannot be written: {error.strerror}") from None
 
@@ -165,8 +172,14 @@ def _cylinders(path: Path) -> FloatArray:
         cylinders = np.array(found, np.float64).reshape(-1, 3)
     except (ElementTree.ParseError, ValueError) as error:
         raise FlatlandError(f"{path}: expected a world of BARN: {error}") from None
-    if not len(cylinders) or not np.isfinite(cylinders).all():
-        raise FlatlandError(f"{path}: expected cylinders with finite places, found none")
+    if not len(cylinders):
+        raise FlatlandError(f"{path}: expected cylinders, found none")
+    for x, y, radius in cylinders.tolist():
+        if not (max(abs(x), abs(y), radius) <= _FARTHEST and radius >= _SMALLEST):
+            raise FlatlandError(
+                f"{path}: expected cylinders of {_SMALLEST} m or more within {_FARTHEST:g} m of "
+                f"the origin, found one of radius {radius} at {x}, {y}"
+            )
     return cylinders
 
 
@@ -177,11 +190,13 @@ def _path_length(path: Path) -> float:
         FlatlandError: the file cannot be read, or has no cells.
     """
     try:
-        cells = np.load(io.BytesIO(read_input(path, MAX_YAML, _refusal)), allow_pickle=False)
+        cells = npy_array(read_input(path, MAX_YAML, _refusal))
         corners = np.concatenate([[START[:2]], cells * _CELL + _CORNER, [GOAL]])
-    except (ValueError, TypeError, EOFError) as error:
+        if not (np.abs(corners) <= _FARTHEST).all():
+            raise ValueError(f"found one farther than {_FARTHEST:g} m from the origin")
+        return float(np.hypot(*np.diff(corners, axis=0).T).sum())
+    except (ValueError, TypeError) as error:
         raise FlatlandError(f"{path}: expected columns and rows of cells: {error}") from None
-    return float(np.hypot(*np.diff(corners, axis=0).T).sum())
 
 
 def _refusal(path: Path, reason: str) -> FlatlandError:

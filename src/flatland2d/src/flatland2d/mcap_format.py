@@ -5,6 +5,7 @@ import zlib
 from typing import Dict, Iterator, Tuple
 
 from flatland2d.recording_format import (
+    LARGEST_CHUNK,
     Bytes,
     Channel,
     Damaged,
@@ -160,6 +161,8 @@ def _uncompressed(record: bytes) -> Fields:
     fields = Fields(record)
     fields.take(8 + 8)
     size = fields.number(8)
+    if size > LARGEST_CHUNK:
+        raise Damaged
     fields.take(4)
     compression, data = fields.text(), fields.block(8)
     if not compression:
@@ -169,9 +172,15 @@ def _uncompressed(record: bytes) -> Fields:
     if zstandard is None:
         raise MissingPackageError("a compressed .mcap needs zstandard: pip install zstandard")
     try:
-        return Fields(zstandard.decompress(data, size))
+        # As a stream: else it would take the memory that the frame tells, whatever it has.
+        decompressor = zstandard.ZstdDecompressor(max_window_size=LARGEST_CHUNK)
+        with decompressor.stream_reader(data) as stream:
+            content = stream.read(size + 1)
     except zstandard.ZstdError:
         raise Damaged from None
+    if len(content) != size:
+        raise Damaged
+    return Fields(content)
 
 
 def _channel(fields: Fields, schemas: Dict[int, Tuple[str, str]]) -> Channel:

@@ -7,6 +7,9 @@ from typing import ClassVar, Dict, Iterator, List, NamedTuple, Tuple, Union
 
 from flatland_server.exceptions import RecordingError
 
+LARGEST_CHUNK = 128 * 1024 * 1024  # bytes
+"""Without compression. Those of Flatland have a megabyte, or one message that is larger."""
+
 _COUNT = struct.Struct("<I")
 
 Bytes = Union[bytes, mmap]

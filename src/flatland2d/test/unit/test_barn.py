@@ -1,5 +1,7 @@
 """Worlds of BARN: read from files of its form, written as ours, and run."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -119,7 +121,7 @@ def test_a_robot_drives_past_the_cylinders(tmp_path, controller):
     ("name", "content", "problem"),
     [
         ("world_files/world_3.world", "<sdf>", "world_3.world: expected a world of BARN"),
-        ("world_files/world_3.world", "<sdf></sdf>", "expected cylinders with finite places"),
+        ("world_files/world_3.world", "<sdf></sdf>", "expected cylinders, found none"),
         ("path_files/path_3.npy", "no numpy", "path_3.npy: expected columns and rows"),
         ("path_files/path_3.npy", None, "found no path_3.npy"),
         ("world_files/world_3.world", None, "expected worlds of BARN"),
@@ -133,3 +135,51 @@ def test_files_that_are_wrong_are_named(tmp_path, name, content, problem):
 
     with pytest.raises(FlatlandError, match=problem):
         read_barn(tmp_path)
+
+
+@pytest.mark.parametrize("radius", ["-1", "0", "1e308", "nan", "inf"])
+def test_a_cylinder_of_an_impossible_radius_is_refused(tmp_path, radius):
+    write_world(tmp_path)
+    path = tmp_path / "world_files" / "world_3.world"
+    path.write_text(path.read_text().replace("0.075000", radius, 1))
+
+    with pytest.raises(FlatlandError, match=r"world_3\.world: expected cylinders of 0\.001 m"):
+        read_barn(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "cells",
+    [np.array([[math.nan, 0.0]]), np.array([[1e300, 0.0]]), np.array([[1j, 0]]), np.array(["a"])],
+)
+def test_a_path_of_impossible_cells_is_refused(tmp_path, cells):
+    write_world(tmp_path, cells=cells)
+
+    with pytest.raises(FlatlandError, match=r"path_3\.npy: expected columns and rows"):
+        read_barn(tmp_path)
+
+
+def test_a_path_takes_no_memory_that_its_file_does_not_have(tmp_path):
+    write_world(tmp_path)
+    path = tmp_path / "path_files" / "path_3.npy"
+    content = path.read_bytes()
+    path.write_bytes(content.replace(b"(2, 2), }" + b" " * 9, b"(2" + b"0" * 9 + b", 2), }"))
+    assert path.stat().st_size == len(content)
+
+    with pytest.raises(FlatlandError, match=r"path_3\.npy: expected columns and rows"):
+        read_barn(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["scenarios.yaml", "robot.model.yaml", "world_3.yaml"])
+def test_a_file_of_another_content_is_not_replaced(tmp_path, name):
+    write_world(tmp_path)
+    worlds = read_barn(tmp_path)
+    write_barn(worlds, tmp_path)
+    write_barn(worlds, tmp_path)  # the same again
+    (tmp_path / name).write_text("# mine\n")
+    (tmp_path / "world_3.model.yaml").unlink()
+
+    with pytest.raises(FlatlandError, match=f"{name}: expected a new file, found one with other"):
+        write_barn(worlds, tmp_path)
+
+    assert (tmp_path / name).read_text() == "# mine\n"
+    assert not (tmp_path / "world_3.model.yaml").exists()

@@ -4,8 +4,10 @@ import os
 import random
 import resource
 import signal
+import struct
 import subprocess
 import sys
+import tracemalloc
 from pathlib import Path
 
 import pytest
@@ -211,3 +213,30 @@ def test_a_file_that_another_process_records_is_refused(tmp_path):
 
     process.communicate()
     assert times(path)[-1] == STEPS * STEP
+
+
+@pytest.mark.parametrize("told", [True, False], ids=["as it is", "as a megabyte"])
+def test_a_compressed_chunk_of_gigabytes_is_refused_before_it_takes_memory(told, tmp_path):
+    zstandard = pytest.importorskip("zstandard")
+    compressor = zstandard.ZstdCompressor().compressobj()
+    packed = b"".join(compressor.compress(bytes(1 << 20)) for _ in range(1024)) + compressor.flush()
+    assert len(packed) < 100_000
+    size = 1 << (30 if told else 20)
+    content = struct.pack("<QQQI", 0, 0, size, 0) + b"\4\0\0\0zstd" + struct.pack("<Q", len(packed))
+    path = tmp_path / "run.mcap.active"
+    path.write_bytes(
+        b"\x89MCAP0\r\n\x06" + struct.pack("<Q", len(content) + len(packed)) + content + packed
+    )
+    tracemalloc.start()
+    try:
+        assert main(["recover", str(path)]) == 1
+        assert tracemalloc.get_traced_memory()[1] < 20_000_000
+    finally:
+        tracemalloc.stop()
+
+
+def test_a_pipe_is_no_recording(tmp_path, capsys):
+    os.mkfifo(tmp_path / "run.bag.active")
+
+    assert main(["recover", str(tmp_path / "run.bag.active")]) == 1
+    assert "expected a regular file, found a pipe" in capsys.readouterr().err

@@ -17,6 +17,7 @@ from flatland_gym.networks import layer_values
 from flatland_gym.observations import NEIGHBOR, neighbor_rows
 from flatland_server import Float32Array, FloatArray, PoseLike
 from flatland_server._core import GoalObserver
+from flatland_server.arrays import npy_array
 from flatland_server.config.input_files import MIB, read_input
 
 _FORMAT = "flatland policy 1"
@@ -191,20 +192,9 @@ def _arrays(content: bytes, path: Path) -> Dict[str, Any]:
             if sum(each.file_size for each in archive.infolist()) > _LARGEST:
                 raise ValueError("its arrays are too large")
             parts = {each.filename: archive.read(each) for each in archive.infolist()}
-        # From bytes, NumPy makes an array of what is there, whatever size the header tells.
-        return {name[: -len(".npy")]: _array(data) for name, data in parts.items()}
+        return {name[: -len(".npy")]: npy_array(data) for name, data in parts.items()}
     except (*_NOT_OF_NUMPY, ValueError) as error:
         raise FlatlandError(f"expected a file of a policy, but {path}: {error}") from None
-
-
-def _array(data: bytes) -> Any:
-    npy: Any = np.lib.format  # without types
-    stream = io.BytesIO(data)
-    is_first = npy.read_magic(stream) == (1, 0)
-    read = npy.read_array_header_1_0 if is_first else npy.read_array_header_2_0
-    shape, is_fortran, dtype = read(stream)
-    values = np.frombuffer(data, dtype, offset=stream.tell())
-    return values.reshape(shape, order="F" if is_fortran else "C")
 
 
 def _row(name: str, value: Any, size: int) -> FloatArray:

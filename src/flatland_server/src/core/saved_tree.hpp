@@ -19,8 +19,8 @@ namespace flatland {
 
 /// A node, without what is different in another world.
 struct SavedNode {
-  b2AABB box{};
-  int32 parent = b2_nullNode;  // of one that is not in use: the next such
+  b2AABB box{b2Vec2_zero, b2Vec2_zero};  // Box2D's constructors leave the memory as it was
+  int32 parent = b2_nullNode;            // of one that is not in use: the next such
   int32 child1 = b2_nullNode;
   int32 child2 = b2_nullNode;  // of a leaf: the number of its fixture
   int32 height = 0;            // of one that is not in use: -1

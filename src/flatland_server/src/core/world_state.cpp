@@ -279,13 +279,11 @@ WorldState WorldState::Of(const World& world) {
       return ContactState::End{order[fixture.GetBody()->GetUserData().pointer],
                                static_cast<uint32_t>(fixture.GetUserData().pointer)};
     };
-    // Without points, the rest of a manifold is not initialised.
-    const bool has_points = c->GetManifold()->pointCount > 0;
     using Internals = box2d::ContactInternals;
     const bool is_to_filter = (Internals::Flags(*c) & Internals::kToFilter) != 0;
     state.contacts.push_back({end_of(*c->GetFixtureA()), end_of(*c->GetFixtureB()), c->IsTouching(),
                               c->IsEnabled(), is_to_filter, c->GetFriction(), c->GetRestitution(),
-                              c->GetTangentSpeed(), has_points ? *c->GetManifold() : b2Manifold{}});
+                              c->GetTangentSpeed(), *c->GetManifold()});
   }
   state.mechanisms = world.mechanisms_;
   state.crowds = world.crowds_;

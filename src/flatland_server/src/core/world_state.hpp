@@ -87,12 +87,16 @@ struct ContactState {
   template <class Archive>
   void Serialize(Archive& archive) {
     archive(a, b, is_touching, is_enabled, is_to_filter, friction, restitution, tangent_speed);
-    uint32_t type = manifold.type;
-    archive(type, manifold.pointCount, manifold.localNormal, manifold.localPoint);
+    archive(manifold.pointCount);
     if constexpr (Archive::kIsReader) {
       if (friction < 0.0f || restitution < 0.0f) Archive::Fail();
-      if (type > b2Manifold::e_faceB) Archive::Fail();
       if (manifold.pointCount < 0 || manifold.pointCount > b2_maxManifoldPoints) Archive::Fail();
+    }
+    if (manifold.pointCount == 0) return;  // the rest is not initialised
+    uint32_t type = manifold.type;
+    archive(type, manifold.localNormal, manifold.localPoint);
+    if constexpr (Archive::kIsReader) {
+      if (type > b2Manifold::e_faceB) Archive::Fail();
       manifold.type = static_cast<b2Manifold::Type>(type);
     }
     for (int32 i = 0; i < manifold.pointCount; ++i) {

@@ -1,8 +1,9 @@
-"""Type names for NumPy arrays, with their element types for the type checker.
+"""Type names for NumPy arrays, with their element types for the type checker, and arrays of files.
 
 The NumPy version of ROS Noetic has no `numpy.typing`; at run time they are all `numpy.ndarray`.
 """
 
+import io
 from typing import TYPE_CHECKING, Any, Sequence, Union
 
 import numpy as np
@@ -31,3 +32,24 @@ Numbers = Union[Sequence[float], _Array]
 
 PoseLike = Numbers
 """x, y [m] and yaw [rad]: a `Pose`, a tuple, a list or an array of three numbers."""
+
+
+def npy_array(data: bytes) -> Any:
+    """The array of a file .npy: of the bytes that are there, whatever size the header tells.
+
+    Args:
+        data: the file's content.
+
+    Raises:
+        ValueError: it is none, or has not as many bytes as the header tells.
+    """
+    npy: Any = np.lib.format  # without types
+    stream = io.BytesIO(data)
+    try:
+        is_first = npy.read_magic(stream) == (1, 0)
+        read = npy.read_array_header_1_0 if is_first else npy.read_array_header_2_0
+        shape, is_fortran, dtype = read(stream)
+        values = np.frombuffer(data, dtype, offset=stream.tell())
+    except (EOFError, KeyError, TypeError, RuntimeError) as error:
+        raise ValueError(f"not an array of NumPy: {error}") from None
+    return values.reshape(shape, order="F" if is_fortran else "C")

@@ -11,13 +11,14 @@ from soak import faults, restarts
 from soak.findings import Findings
 from soak.in_process import run_in_process
 from soak.random_calls import call_at_random
+from soak.random_saves import save_at_random
 from soak.random_sweeps import disturb_sweeps
 from soak.ros_messages import publish_at_random
 from soak.usage import Usage
 from waiting import wait_until
 
-CALLS, MESSAGES, SIGNALS, KILLS = 100, 50, 2, 3
-# of a client, to each topic, to starting servers, of sweeps
+CALLS, SAVES, MESSAGES, SIGNALS, KILLS = 100, 100, 50, 2, 3
+# of a client, calls around saves, to each topic, to starting servers, of sweeps
 REST = 200
 """Equal readings in a row of files and threads, 5 ms apart, for the server to be at rest."""
 WARM_UP = 0.2  # of the time
@@ -84,6 +85,9 @@ class Soak:
         parts: Dict[str, Callable[[], None]] = {
             "random calls": lambda: call_at_random(
                 server, master, seed, self._clients, CALLS, findings
+            ),
+            "random saves": lambda: save_at_random(
+                server, self._folder / f"saves_{seed}", seed, SAVES, findings
             ),
             "random messages": lambda: publish_at_random(server, master, seed, MESSAGES, findings),
             "stopped subscribers": lambda: faults.stopped_subscribers(server, findings),

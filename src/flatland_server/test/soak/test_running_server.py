@@ -7,6 +7,7 @@ from running_server import Master, Server
 from soak import faults, restarts
 from soak.findings import Findings
 from soak.random_calls import call_at_random
+from soak.random_saves import save_at_random
 from soak.ros_messages import publish_at_random
 
 SEED = 1
@@ -42,6 +43,13 @@ def test_the_world_is_what_random_calls_have_made_of_it(server, master, findings
     call_at_random(server, master, SEED, CLIENTS, CALLS, findings)
 
     assert findings.counts["calls"] == CLIENTS * CALLS
+
+
+def test_a_saved_world_is_what_random_calls_have_made_of_it(server, tmp_path, findings):
+    save_at_random(server, tmp_path / "saves", SEED, CALLS, findings)
+
+    assert findings.counts["saved worlds"] > 1
+    assert "Traceback" not in server.log
 
 
 def test_random_messages_stop_nothing(server, master, findings):

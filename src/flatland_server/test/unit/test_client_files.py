@@ -114,6 +114,16 @@ def test_a_state_replaces_a_state(tmp_path):
     assert os.listdir(tmp_path) == ["state"]
 
 
+def test_permissions_of_a_replaced_state_stay(tmp_path):
+    path = tmp_path / "state"
+    path.write_bytes(STATE)
+    path.chmod(0o600)
+
+    write_state(path, STATE + b" ")
+
+    assert path.stat().st_mode & 0o777 == 0o600
+
+
 def test_a_folder_that_cannot_be_written_is_named(tmp_path):
     with pytest.raises(StateError, match=r"cannot write .*/none/state: No such file or directory"):
         write_state(tmp_path / "none" / "state", STATE)
@@ -174,7 +184,22 @@ def test_with_a_folder_of_states_worlds_and_models_are_those_of_the_servers_owne
 
 @pytest.mark.parametrize(
     "content",
-    ["root:x:0:0:secret\n", "password: secret\n", "- secret\n", "a: [secret\n", "a: *secrets\n"],
+    [
+        *(
+            "root:x:0:0:secret\n",
+            "password: secret\n",
+            "- secret\n",
+            "a: [secret\n",
+            "a: *secrets\n",
+        ),
+        "site_name: secret\nplugins:\n- secret\nsecret: 1\n",
+        "layers: secret\nproperties: secret\n",
+        "layers: [{name: secret, secret: 1}]\n",
+        "costmap:\n  layers: secret\nproperties:\n  velocity_iterations: secret\n",
+        "models: secret\n",
+        "bodies: secret\n",
+        "? [secret]\n: bodies: []\n",
+    ],
 )
 def test_a_client_learns_nothing_from_files_of_other_kinds(world, tmp_path, content):
     path = tmp_path / "passwords"
@@ -187,6 +212,26 @@ def test_a_client_learns_nothing_from_files_of_other_kinds(world, tmp_path, cont
             with pytest.raises(YamlError) as error:
                 read(file)
             assert "secret" not in told(error.value)
+
+
+def test_a_folder_costs_no_descriptor(tmp_path):
+    before = os.listdir("/proc/self/fd")
+    for _ in range(10):
+        with pytest.raises(StateError, match="Is a directory"):
+            read_state(tmp_path)
+
+    assert len(os.listdir("/proc/self/fd")) == len(before)
+
+
+def test_a_client_is_told_all_about_a_world(world, tmp_path):
+    path = tmp_path / "world.yaml"
+    path.write_text("properties: {}\nlayers: [{name: wide, color: blue}]\nmodles: []\n")
+
+    with pytest.raises(YamlError) as error:
+        WorldConfig.from_file(path)
+
+    assert told(error.value) == f"YamlError: {error.value}"
+    assert 'found "blue"' in told(error.value)
 
 
 def test_a_client_is_told_all_about_files_of_flatland(world, tmp_path):

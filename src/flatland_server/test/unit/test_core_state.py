@@ -2,6 +2,8 @@
 
 import math
 import random
+import subprocess
+import sys
 from typing import Any, List, Tuple
 
 import pytest
@@ -154,3 +156,27 @@ def test_a_state_of_another_world_is_refused_with_the_difference():
     other.bodies[3].add_drive()
     with pytest.raises(ValueError, match="the number of drives: expected 2, found 1"):
         other.world.restore_state(saved)
+
+
+PROGRAM = """
+import sys
+from flatland_server import _core
+world = _core.World()
+bodies = [world.add_body("dynamic", (0.29 * i, 0.29 * i, 0.0), 0.0, 0.0) for i in range(3)]
+for body in bodies:
+    body.add_circle((0.0, 0.0), 0.2, density=1.0)
+world.step(0.01)
+for body in bodies[:2]:
+    body.remove()
+sys.stdout.buffer.write(world.save_state())
+"""
+
+
+def test_a_state_has_nothing_of_the_memory_of_its_process():
+    """Else a number in it may be one that no state may have."""
+    states = {
+        subprocess.run([sys.executable, "-c", PROGRAM], check=True, stdout=subprocess.PIPE).stdout
+        for _ in range(3)
+    }
+
+    assert len(states) == 1

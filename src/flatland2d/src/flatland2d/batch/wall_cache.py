@@ -13,7 +13,8 @@ from typing import List, Sequence
 
 from flatland_server import _core
 from flatland_server.arrays import Segments
-from flatland_server.config.input_files import replacing
+from flatland_server.config.input_files import read_input, replacing
+from flatland_server.exceptions import FlatlandError
 
 _MOST_WALLS = 100_000
 """Of a layer; hashing more takes long."""
@@ -75,9 +76,9 @@ class _File:
         self._walls.filed_count = 0
         try:
             path = self._path
-            content = path.read_bytes() if path.stat().st_size <= _LARGEST_FILE else b""
+            content = read_input(path, _LARGEST_FILE)
             os.utime(path)
-        except (OSError, RuntimeError):  # there is no home folder
+        except (OSError, RuntimeError, FlatlandError):  # RuntimeError: there is no home folder
             return
         known = content[32:]
         if hashlib.sha256(known).digest() == content[:32] and self._walls.take(known):

@@ -136,11 +136,16 @@ def runs_of(rows: Sequence[TextRow], worlds: Mapping[str, str] = {}) -> Dict[Tas
     found: Dict[Task, Dict[str, Runs]] = {}
     for row in rows:
         if row["status"] == "done":
-            task = tuple(_comparable(row[name]) for name in (*group_names(row), "seed"))
+            task = task_of(row)
             group = (worlds.get(row["world"], task[0]), *task[1:-1])
             runs = found.setdefault(group, {}).setdefault(row["controller"], {})
             runs[task] = {name: _value(row, name) for name in SUMMARISED}
     return found
+
+
+def task_of(row: TextRow) -> Task:
+    """The world, the parameters and the seed of a row."""
+    return tuple(_comparable(row[name]) for name in (*group_names(row), "seed"))
 
 
 def group_names(row: TextRow) -> List[str]:

@@ -1,12 +1,24 @@
 """A gate for continuous integration: whether a sweep is worse than the results of a former one."""
 
 import csv
+import io
+import math
 from pathlib import Path
-from typing import Dict, List, Mapping, NamedTuple, Sequence
+from typing import Dict, List, Mapping, NamedTuple, Sequence, Set
 from xml.etree import ElementTree
 
-from flatland2d.sweep.comparison import Comparison, TextRow, compare, holm, runs_of
+from flatland2d.sweep.comparison import (
+    Comparison,
+    Task,
+    TextRow,
+    compare,
+    group_names,
+    holm,
+    runs_of,
+    task_of,
+)
 from flatland2d.sweep.metrics import SUMMARISED
+from flatland_server.config.input_files import MAX_IMAGE, read_input
 from flatland_server.exceptions import FlatlandError, listed
 
 LEVEL = 0.01
@@ -49,10 +61,8 @@ def read_rows(path: Path) -> List[Dict[str, str]]:
     """
     file = path / "results.csv" if path.is_dir() else path
     try:
-        with file.open(newline="", encoding="utf-8") as stream:
-            rows = list(csv.DictReader(stream, restval="", strict=True))
-    except OSError as error:
-        raise FlatlandError(f"{file}: cannot be read: {error.strerror}") from None
+        text = read_input(file, MAX_IMAGE, _refusal).decode()
+        rows = list(csv.DictReader(io.StringIO(text, newline=""), strict=True))
     except (csv.Error, UnicodeDecodeError) as error:
         raise FlatlandError(f"{file}: expected results.csv of a sweep: {error}") from None
     needed = ["scenario", "world", "controller", "seed", "status", *_GATED]
@@ -61,6 +71,9 @@ def read_rows(path: Path) -> List[Dict[str, str]]:
         raise FlatlandError(
             f"{file}: expected results.csv of a sweep, found no column {listed(missing)}"
         )
+    for number, row in enumerate(rows, 1):
+        if None in row or None in row.values():
+            raise FlatlandError(f"{file}: expected as many values as columns in row {number}")
     return rows
 
 
@@ -80,8 +93,22 @@ def verdicts(
         worlds: see `runs_of`.
 
     Raises:
-        FlatlandError: SciPy is missing, a value is wrong, or no task is in both.
+        FlatlandError: SciPy is missing, a value is wrong, the baseline lacks tasks of the sweep or
+            has one twice, or no run is in both.
     """
+    names, former = group_names(rows[0]), group_names(baseline[0])
+    if names != former:
+        raise FlatlandError(
+            f"the baseline is of another sweep: expected results by {listed(names)}; found "
+            f"{listed(former)}"
+        )
+    known = _tasks(baseline)
+    lacking = [row["scenario"] for row in rows if (row["controller"], *task_of(row)) not in known]
+    if lacking:
+        raise FlatlandError(
+            "the baseline has no scenario with the same world, controller, parameters and seed for "
+            f"{len(lacking)} of {len(rows)}: {listed(lacking)}; make a new baseline"
+        )
     before = runs_of(baseline, worlds)
     found = [
         (", ".join((*group, controller)), name, compare(runs, others, name, worse=True))
@@ -91,14 +118,30 @@ def verdicts(
         for name in _GATED
     ]
     if not any(result.pairs for _, _, result in found):
-        raise FlatlandError(
-            "the baseline has no scenario with the same world, controller, parameters and seed"
-        )
+        raise FlatlandError("no scenario has run to its end both now and in the baseline")
+    for label, name, result in found:
+        if result.pairs and not math.isfinite(result.mean + result.other_mean):
+            raise FlatlandError(f"{label}: expected finite numbers in {name}")
     adjusted = holm([result.p for _, _, result in found])
     return [
         Verdict(label, name, each._replace(p=p), p <= LEVEL and _is_beyond(each, name, tolerance))
         for (label, name, each), p in zip(found, adjusted)
     ]
+
+
+def _refusal(path: Path, problem: str) -> FlatlandError:
+    return FlatlandError(f"{path}: {problem}")
+
+
+def _tasks(rows: Sequence[TextRow]) -> Set[Task]:
+    """The controllers and tasks of a baseline."""
+    found: Set[Task] = set()
+    for row in rows:
+        task = (row["controller"], *task_of(row))
+        if task in found:
+            raise FlatlandError(f"the baseline has scenario {row['scenario']} twice")
+        found.add(task)
+    return found
 
 
 def junit(title: str, found: Sequence[Verdict]) -> bytes:

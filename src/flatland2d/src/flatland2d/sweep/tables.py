@@ -7,7 +7,6 @@ import csv
 import io
 import json
 import math
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
@@ -17,6 +16,7 @@ from flatland2d.sweep.metrics import SUMMARISED
 from flatland2d.sweep.run import ESTIMATE_ENDS, METRICS
 from flatland2d.sweep.runner import Result
 from flatland2d.sweep.settings import Scenario
+from flatland_server.config.input_files import replacing
 from flatland_server.exceptions import FlatlandError, MissingPackageError
 
 BOOL, INT, FLOAT, STRING = "bool", "int64", "float64", "string"
@@ -198,10 +198,9 @@ def write_file(path: Path, content: bytes) -> None:
     Raises:
         FlatlandError: it cannot be written.
     """
-    temporary = path.with_name(f".{path.name}.new")
     try:
-        temporary.write_bytes(content)
-        os.replace(temporary, path)
+        with replacing(path) as temporary:
+            temporary.write_bytes(content)
     except OSError as error:
         raise FlatlandError(f"{path}: cannot be written: {error.strerror}") from None
 

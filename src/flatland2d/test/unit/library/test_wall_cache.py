@@ -108,6 +108,17 @@ def test_a_damaged_file_is_ignored_and_replaced(world, folder, damage):
     assert len(file.read_bytes()) >= len(content)
 
 
+def test_a_pipe_is_ignored_and_replaced(world, folder):
+    expected = scans(world, ROUNDS)
+    (file,) = folder.iterdir()
+    file.unlink()
+    os.mkfifo(file)
+    gc.collect()
+
+    assert np.array_equal(scans(world, ROUNDS), expected)
+    assert file.is_file()
+
+
 def test_a_folder_that_cannot_be_written_to_is_ignored(world, tmp_path, monkeypatch):
     (tmp_path / "file").touch()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))

@@ -181,13 +181,47 @@ def test_a_baseline_of_other_tasks_is_an_error():
         verdicts(rows("a", [1.0]), rows("b", [1.0]), 0.01)
 
 
+def test_a_baseline_that_lacks_scenarios_is_an_error_that_names_them():
+    with pytest.raises(FlatlandError, match="for 3 of 5: 3, 4, 5; make a new baseline"):
+        verdicts(rows("a", [1.0] * 5), rows("a", [1.0] * 2), 0.01)
+
+
+def test_a_failed_run_of_a_baseline_is_no_lack():
+    before = rows("a", [1.0] * 5)
+    before[2]["status"] = "failed"
+
+    assert verdicts(rows("a", [1.0] * 5), before, 0.01)[0].result.pairs == 4
+
+
+def test_a_scenario_that_a_baseline_has_twice_is_named():
+    before = rows("a", [1.0, 1.0])
+
+    with pytest.raises(FlatlandError, match="the baseline has scenario 2 twice"):
+        verdicts(rows("a", [1.0, 1.0]), [*before, before[1]], 0.01)
+
+
+def test_a_baseline_of_other_parameters_is_an_error():
+    def table(name):
+        order = ("scenario", "world", "controller", name, "seed", "status", *COLUMNS)
+        return [{each: row[each] for each in order} for row in rows("a", [1.0], **{name: "1"})]
+
+    with pytest.raises(FlatlandError, match="by world, speed; found world, radius"):
+        verdicts(table("speed"), table("radius"), 0.01)
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_a_baseline_without_finite_numbers_is_an_error(value):
+    with pytest.raises(FlatlandError, match="expected finite numbers in time_to_goal"):
+        verdicts(rows("a", [1.0] * 5), rows("a", [value] * 5), 0.01)
+
+
 def test_junit_has_a_case_for_each_comparison():
-    slower = rows("a", [1.0] * 20) + rows("new", [1.0])
-    found = verdicts(slower, rows("a", [0.5] * 20), 0.01)
+    without = rows("b", [None])
+    found = verdicts(rows("a", [1.0] * 20) + without, rows("a", [0.5] * 20) + without, 0.01)
 
     suite = ElementTree.fromstring(junit("a sweep", found))
 
-    assert suite.attrib == {"name": "a sweep", "tests": "6", "failures": "1", "skipped": "3"}
+    assert suite.attrib == {"name": "a sweep", "tests": "6", "failures": "1", "skipped": "1"}
     [failure] = suite.iter("failure")
     assert "time to goal [s] 1, before 0.5 (20 pairs" in failure.get("message")
 
@@ -200,6 +234,9 @@ def test_names_with_control_characters_are_no_broken_xml():
     )
 
 
+HEAD = b"scenario,world,controller,seed,status,success,collision,time_to_goal\n"
+
+
 @pytest.mark.parametrize(
     ("content", "problem"),
     [
@@ -208,6 +245,8 @@ def test_names_with_control_characters_are_no_broken_xml():
         (b"a,b\n1,2\n", "found no column scenario, world"),
         (b"\xff\xfe", "expected results.csv of a sweep"),
         (b'a,"b\n', "expected results.csv of a sweep"),
+        (HEAD + b"1,room,a,0,done,true,false\n", "expected as many values as columns in row 1"),
+        (HEAD + b"1,room,a,0,done,true,false,1,2\n", "expected as many values as columns in row 1"),
     ],
 )
 def test_files_that_are_no_baseline(tmp_path, content, problem):

@@ -10,7 +10,7 @@ import os
 import stat
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Callable, Iterator
+from typing import BinaryIO, Callable, Iterator
 
 from flatland_server.exceptions import FlatlandError, YamlError
 
@@ -35,12 +35,11 @@ def read_input(path: Path, limit: int, refusal: Refusal = YamlError) -> bytes:
     Raises:
         FlatlandError: as `refusal` makes it.
     """
-    # O_NONBLOCK: opening a named pipe would otherwise wait for its other end.
-    flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY
     try:
-        descriptor = os.open(path, flags)
-        with open(descriptor, "rb") as file:
-            size = _regular_size(path, os.fstat(descriptor), limit, refusal)
+        with open_regular(path, refusal) as file:
+            size = os.fstat(file.fileno()).st_size
+            if size > limit:
+                raise refusal(path, too_large(limit))
             content = file.read(size + 1)  # not `limit`: that much memory would be set aside
             if len(content) > size:  # it has grown, or has no size, like those in /proc
                 content += file.read(limit + 1 - len(content))
@@ -50,6 +49,29 @@ def read_input(path: Path, limit: int, refusal: Refusal = YamlError) -> bytes:
     if len(content) > limit:
         raise refusal(path, too_large(limit))
     return content
+
+
+def open_regular(path: Path, refusal: Refusal) -> BinaryIO:
+    """Opens a regular file to read it; pipes, sockets and devices are refused at once.
+
+    Args:
+        path: of the file.
+        refusal: the error if it is something else.
+
+    Raises:
+        OSError: it cannot be opened.
+        FlatlandError: as `refusal` makes it.
+    """
+    # O_NONBLOCK: opening a named pipe would otherwise wait for its other end.
+    flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY
+    descriptor = os.open(path, flags)
+    mode = os.fstat(descriptor).st_mode
+    if stat.S_ISREG(mode):
+        return open(descriptor, "rb")
+    os.close(descriptor)
+    if stat.S_ISDIR(mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+    raise refusal(path, "expected a regular file, found a pipe, a socket or a device")
 
 
 def require_free(path: Path, magic: bytes, kind: str, refusal: Callable[[str], Exception]) -> None:
@@ -79,12 +101,18 @@ def require_free(path: Path, magic: bytes, kind: str, refusal: Callable[[str], E
 def replacing(path: Path) -> Iterator[Path]:
     """A context to write a file completely, or not at all.
 
-    Its value is a path beside the file. What is written there replaces the file at the end, and is
-    deleted after an error.
+    Its value is a path beside the file. What is written there replaces the file at the end, with
+    its permissions and, if possible, its owner; it is deleted after an error.
     """
     partial = path.parent / f".{os.urandom(16).hex()}.partial"
     try:
         yield partial
+        with suppress(FileNotFoundError):
+            status = path.lstat()
+            if stat.S_ISREG(status.st_mode):
+                with suppress(PermissionError):
+                    os.chown(partial, status.st_uid, status.st_gid)
+                partial.chmod(stat.S_IMODE(status.st_mode))
         partial.replace(path)
     except BaseException:
         with suppress(OSError):
@@ -105,17 +133,6 @@ def why_not_a_file(path: Path) -> str:
     if os.path.isdir(path):
         return "is a folder"
     return "is not a regular file" if os.path.exists(path) else "is not there"
-
-
-def _regular_size(path: Path, status: os.stat_result, limit: int, refusal: Refusal) -> int:
-    """The size of a regular file, not beyond the limit [bytes]."""
-    if stat.S_ISDIR(status.st_mode):
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-    if not stat.S_ISREG(status.st_mode):
-        raise refusal(path, "expected a regular file, found a pipe, a socket or a device")
-    if status.st_size > limit:
-        raise refusal(path, too_large(limit))
-    return status.st_size
 
 
 def too_large(limit: int) -> str:

@@ -7,10 +7,12 @@ If the server has a folder of states, it names files only in the folders that it
 import os
 import re
 from pathlib import Path
-from typing import Optional, Union
+from typing import Any, Optional, Union
 
+import yaml
+
+from flatland_server.config.composed_files import compose_file
 from flatland_server.config.file_names import to_path
-from flatland_server.config.input_files import MAX_YAML, read_input
 from flatland_server.config.packages import package_folders
 from flatland_server.config.yaml_reader import is_text
 from flatland_server.exceptions import (
@@ -24,7 +26,6 @@ from flatland_server.exceptions import (
 from flatland_server.simulation.world import World
 
 _LONGEST = 500  # characters of a line for a client
-_TOP_LEVEL_KEY = re.compile(rb"^[{\s]*(bodies|layers|models|plugins|properties)\s*:", re.MULTILINE)
 _PACKAGE = re.compile("package://([^/]+)/")
 
 
@@ -71,30 +72,37 @@ class ClientFiles:
         return self._readable(path, name)
 
     def written_world(self, name: str) -> Path:
-        """The path of a world file that is to be written; links are followed.
+        """The path of a world file that is to be written.
 
         Args:
             name: absolute; empty for the world's own file.
 
         Raises:
             FlatlandError: the world has no file, the name is relative or leads out of the folder of
-                states, or something is there that is no world file.
+                states, or something is there that is no world file, such as a link to one.
         """
-        own = self._world.config.path
+        own = self._world.config.path and self._world.config.path.absolute()
         path = to_path(name) if name else own
         if path is None:
             raise FlatlandError("the world was made without a file; expected the path of a new one")
         if not path.is_absolute():
             raise FlatlandError(f'expected an absolute path, found "{shortened(name)}"')
-        path = path.resolve()
         if self._state_folder is not None:
             self._require_within(path, self._state_folder)
         if path.suffix not in (".yaml", ".yml"):
             raise FlatlandError(f"expected a file *.yaml, found {path}")
-        is_own = own is not None and path == own.resolve()
-        if os.path.lexists(path) and not is_own and not _is_of_flatland(path):
+        if path.is_symlink():
+            raise FlatlandError(f"{path}: expected a new file or a world, found a link")
+        if os.path.lexists(path) and path != own and not self._is_world(path):
             raise FlatlandError(f"{path}: expected a new file or a world, found something else")
         return path
+
+    def _is_world(self, path: Path) -> bool:
+        try:
+            self._world.read_config(path)
+        except FlatlandError:
+            return False
+        return True
 
     def model_file(self, name: str) -> Path:
         """The path of a model file; a relative one begins in the world's folder.
@@ -163,8 +171,19 @@ def _line_of(problem: Problem) -> str:
 
 
 def _is_of_flatland(path: Path) -> bool:
-    """True if a file is evidently that of a world or model: it has one of their keys."""
+    """True if a file is evidently a world or a model: it has the lists that these must have."""
     try:
-        return bool(_TOP_LEVEL_KEY.search(read_input(path, MAX_YAML)))
+        root: Any = compose_file(path).documents[0]
     except FlatlandError:
         return False
+    pairs = root.value if isinstance(root, yaml.MappingNode) else []
+    values = {str(key.value): value for key, value in pairs}
+    is_world = "properties" in values and _is_list(values.get("layers"))
+    return is_world or _is_list(values.get("bodies"))
+
+
+def _is_list(node: Any) -> bool:
+    """True for a list, also one that is in another file."""
+    return isinstance(node, yaml.SequenceNode) or (
+        isinstance(node, yaml.ScalarNode) and node.value.startswith("$include ")
+    )

@@ -1,15 +1,16 @@
 """The service that saves a world's changed models into its file: /save_world."""
 
 import os
+import threading
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, Iterable, List, Tuple
 
 from flatland_server.config.input_files import replacing
 from flatland_server.config.world_file_text import NewEntry, WorldFileText, plain
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
-from flatland_server.exceptions import FlatlandError, YamlError, counted
+from flatland_server.exceptions import FlatlandError, YamlError, counted, listed
 from flatland_server.serving.client_edits import Changes, ClientEdits
 from flatland_server.serving.client_files import ClientFiles
 from flatland_server.serving.service_host import ServiceHost
@@ -20,8 +21,9 @@ from flatland_server.simulation.world_config import ModelEntry, WorldConfig
 class WorldSaving:
     """Offers /save_world.
 
-    The file is read as it is now, changed, read again, and compared with what it should be, before
-    it replaces the former one. The saved world is the one to which a reset leads from then on.
+    The file is read as it is now, changed, and read again. It replaces the former one if it has
+    the world's models, and nothing else in it has changed. The saved world is the one to which a
+    reset leads from then on.
 
     Args:
         manager: the simulation.
@@ -37,24 +39,35 @@ class WorldSaving:
         self._host = host
         self._files = files
         self._edits = edits
+        self._lock = threading.Lock()  # clients are served by several threads
         host.offer("save_world", "flatland_msgs/SaveWorld", self._save_world)
 
     def _save_world(self, request: Any) -> Dict[str, Any]:
-        path = self._files.written_world(request.path)
+        with self._lock:
+            return {"message": self._save(self._files.written_world(request.path))}
+
+    def _save(self, path: Path) -> str:
+        """Saves the world; returns what is saved where."""
         config, changes = self._host.call(lambda: (self._manager.world.config, self._edits.changes))
         if config.path is None:
             raise FlatlandError("the world was made without a file")
         with_file = [entry for entry in changes.added if entry.model.content is None]
         unsaved = [entry.name for entry in changes.added if entry not in with_file]
         saved = changes._replace(added=with_file)
+        new = replace(
+            config,
+            models=saved.applied_to(config.models),
+            model_folders=(path.parent, *config.model_folders[1:]),
+            path=path,
+        )
         content, expected = self._new_content(config, saved, path)
-        self._write(path, content, expected, config)
-        self._host.call(lambda: self._take_over(config, saved, path))
+        self._write(new, content, expected, config)
+        self._host.call(lambda: self._take_over(config, new))
         self._host.world_is_open(str(path))
         message = f"{counted(saved.number, 'changed model')} saved in {path}"
         if unsaved:
             message += f"; without a file, and not saved: {', '.join(unsaved)}"
-        return {"message": message}
+        return message
 
     def _new_content(
         self, config: WorldConfig, changes: Changes, path: Path
@@ -62,6 +75,7 @@ class WorldSaving:
         """The new text of a world's file, and the value that it should have."""
         assert config.path is not None
         with self._preprocessor() as preprocessor:
+            config.read_again(None, preprocessor)  # it is still a world
             root = preprocessor.read(config.path)
         text = WorldFileText(config.path, root)
         folders = (path.parent, *config.model_folders[1:])
@@ -69,71 +83,92 @@ class WorldSaving:
             NewEntry(entry.name, entry.namespace, _name_of(entry, folders), entry.pose)
             for entry in changes.added
         ]
-        former = {entry.name: entry.pose for entry in config.models}
+        value = plain(root)
+        models = filter(_is_enabled, value.get("models") or [])
+        former = {model["name"]: model.get("pose") for model in models}
         text.change_models(
-            {name: (former[name], pose) for name, pose in changes.poses.items()},
+            {name: (former.get(name) or pose, pose) for name, pose in changes.poses.items()},
             changes.deleted,
             added,
         )
-        if path.parent != config.path.resolve().parent:
+        if path.parent.resolve() != config.path.parent.resolve():
             text.name_files_from(config.path.parent)
-        return text.content, _changed(plain(root), changes, added)
+        return text.content, _changed(value, changes, added)
 
     def _write(
-        self, path: Path, content: bytes, expected: Dict[str, Any], config: WorldConfig
+        self, new: WorldConfig, content: bytes, expected: Dict[str, Any], former: WorldConfig
     ) -> None:
-        """Writes a world file, if it can be read and has the value that it should have."""
+        """Writes a world file, if it can be read and has the models and the value that it should
+        have.
+        """
+        path = new.path
+        assert path is not None
+        assert former.path is not None
         try:
             with replacing(path) as partial:
                 with partial.open("xb") as file:
                     file.write(content)
-                if path.exists():
-                    partial.chmod(path.stat().st_mode)
-                if not self._is_as(partial, expected, config):
+                    file.flush()
+                    os.fsync(file.fileno())
+                is_moved = path.parent.resolve() != former.path.parent.resolve()
+                if not self._is_as(partial, expected, is_moved):
                     raise FlatlandError(
-                        f"{config.path}: the models are written in a way that they cannot be "
+                        f"{former.path}: the models are written in a way that they cannot be "
                         "changed without changing others: edit it by hand"
                     )
+                self._require_models(partial, new, former)
                 self._files.written_world(str(path))  # still
         except OSError as error:
             raise FlatlandError(f"cannot write {path}: {error.strerror}") from None
 
-    def _is_as(self, path: Path, expected: Dict[str, Any], config: WorldConfig) -> bool:
-        """True if a file can be read, and has a value."""
-        assert config.path is not None
-        is_moved = path.parent != config.path.resolve().parent
+    def _is_as(self, path: Path, expected: Dict[str, Any], is_moved: bool) -> bool:
+        """True if a file has a value."""
         try:
-            with self._preprocessor() as preprocessor:
-                if is_moved:
-                    config.read_again(path, preprocessor)
             with self._preprocessor() as preprocessor:
                 found = plain(preprocessor.read(path))
         except YamlError:
             return False
         return _comparable(found, is_moved) == _comparable(expected, is_moved)
 
-    def _take_over(self, config: WorldConfig, changes: Changes, path: Path) -> None:
+    def _require_models(self, path: Path, new: WorldConfig, former: WorldConfig) -> None:
+        """Checks that a world file can be loaded, and has the models of a world."""
+        assert new.path is not None
+        try:
+            with self._preprocessor() as preprocessor:
+                models = new.read_again(path, preprocessor).models
+        except YamlError as error:
+            raise YamlError.of(
+                replace(each, file=new.path) if each.file == path else each
+                for each in error.problems
+            ) from None
+        if _kinds(models) != _kinds(new.models):
+            expected, found = (
+                listed([entry.name for entry in entries]) for entries in (new.models, models)
+            )
+            raise FlatlandError(
+                f"{former.path}: its models have been changed since it was loaded: expected "
+                f"{expected}; found {found}; /reload_world reads them, and drops unsaved changes"
+            )
+
+    def _take_over(self, former: WorldConfig, new: WorldConfig) -> None:
         """Makes the saved models those of the world's file."""
         manager = self._manager
-        if manager.world.config is not config:
+        if manager.world.config is not former:
             return  # another world was opened meanwhile
-        entries = [
-            replace(entry, pose=changes.poses.get(entry.name, entry.pose))
-            for entry in config.models
-            if entry.name not in changes.deleted
-        ]
-        manager.world.contents.config = replace(
-            config,
-            models=(*entries, *changes.added),
-            model_folders=(path.parent, *config.model_folders[1:]),
-            path=path,
-        )
-        self._edits.clear()
+        manager.world.contents.config = new
         if manager.history is not None:
             manager.history.restart()  # its states are of the former file
 
     def _preprocessor(self) -> "closing[YamlPreprocessor]":
         return closing(YamlPreprocessor(self._manager.transport.get_param))
+
+
+def _kinds(models: Iterable[ModelEntry]) -> List[Tuple[str, ...]]:
+    """The names of models, their namespaces and their files, if they are in files of their own."""
+    return sorted(
+        (each.name, each.namespace, "" if each.is_inline else os.path.realpath(each.model.path))
+        for each in models
+    )
 
 
 def _name_of(entry: ModelEntry, folders: Tuple[Path, ...]) -> str:
@@ -145,15 +180,18 @@ def _name_of(entry: ModelEntry, folders: Tuple[Path, ...]) -> str:
     return str(path)
 
 
+def _is_enabled(model: Dict[str, Any]) -> bool:
+    return model.get("enabled", True) is not False
+
+
 def _changed(content: Dict[str, Any], changes: Changes, added: List[NewEntry]) -> Dict[str, Any]:
     """The value of a world's file with changed models."""
     models = []
     for model in content.get("models") or []:
-        name = model.get("name")
-        is_enabled = model.get("enabled", True) is not False
-        if is_enabled and name in changes.deleted:
+        name = model["name"] if _is_enabled(model) else None
+        if name in changes.deleted:
             continue
-        if is_enabled and name in changes.poses:
+        if name in changes.poses:
             model = {**model, "pose": list(changes.poses[name])}
         models.append(model)
     for entry in added:

@@ -15,11 +15,15 @@ class Additions:
     Those that come with the world, or that plugins add in `on_initialize`, are not additions:
     rebuilding the world or the plugin brings them back. Such models are noted nevertheless, since
     they may be deleted.
+
+    Attributes:
+        entries: of all models of the world, by name, each with the pose at which it was added.
+        walls: that were added.
     """
 
     def __init__(self) -> None:
         self._count = 0
-        self._entries: Dict[str, ModelEntry] = {}
+        self.entries: Dict[str, ModelEntry] = {}
         self._orders: Dict[str, Optional[int]] = {}
         self.walls: List[WallsState] = []
 
@@ -32,12 +36,12 @@ class Additions:
                 addition.
         """
         self._count += 1
-        self._entries[entry.name] = entry
+        self.entries[entry.name] = entry
         self._orders[entry.name] = None if comes_with_another else self._count
 
     def remove_model(self, name: str) -> None:
         """Notes that a model is gone."""
-        self._entries.pop(name, None)
+        self.entries.pop(name, None)
         self._orders.pop(name, None)
 
     def add_walls(self, layer: int, segments: Segments) -> None:
@@ -55,7 +59,7 @@ class Additions:
             StateError: one of them has no file that it could be read from again.
         """
         states = []
-        for name, entry in self._entries.items():
+        for name, entry in self.entries.items():
             order = self._orders[name]
             if order is not None and not entry.model.is_read:
                 raise StateError(f'the model "{name}" was made by a program, without a file')

@@ -12,7 +12,7 @@ from flatland_server.models.footprint import Circle, Polygon
 from flatland_server.models.model import ModelText
 from flatland_server.simulation import plugin_state
 from flatland_server.simulation.world import World
-from flatland_server.simulation.world_config import ModelSource, WorldConfig
+from flatland_server.simulation.world_config import ModelEntry, ModelSource, WorldConfig
 from flatland_server.simulation.world_state import (
     FootprintState,
     ModelState,
@@ -52,6 +52,7 @@ def parts_of(world: World) -> WorldState:
         0,
         _wall_counts(contents.config),
         contents.additions.states_of(contents.models),
+        {name: list(pose) for name, pose in contents.layout.items()},
         contents.additions.walls,
         list(_footprints(world)),
         [],
@@ -69,6 +70,7 @@ def restore(state: WorldState, world: World) -> None:
     try:
         _check_walls(state, contents.config)
         _replay_additions(state, world)
+        contents.layout = {name: Pose(*pose) for name, pose in state.layout.items()}
         for footprint in state.footprints:
             _restore_footprint(footprint, world)
         plugins = state.plugins
@@ -95,12 +97,15 @@ def require_same_parts(state: WorldState, other: WorldState, config: WorldConfig
         if plain_data.dumps(found) != plain_data.dumps(expected):
             raise StateError(
                 f"the state is of another world: {noun} were added, changed or deleted; expected "
-                f"the models {_names(other)}, found {_names(state)}"
+                f"the models {_names(other.models)}, found {_names(state.models)}"
             )
 
 
-def _names(state: WorldState) -> str:
-    return ", ".join(model.name for model in state.models)
+def _names(models: Sequence[Union[ModelEntry, ModelState]]) -> str:
+    """The names of models with their namespaces."""
+    return ", ".join(
+        f"{each.name} ({each.namespace})" if each.namespace else each.name for each in models
+    )
 
 
 def _parts(entries: Sequence[Any]) -> List[Dict[str, Any]]:
@@ -168,10 +173,11 @@ def _replay_additions(state: WorldState, world: World) -> None:
             world.spawn_model(_source_of(addition), addition.name, addition.namespace, pose)
         elif 0 <= addition.layer < len(world.layers):
             world.add_walls(world.layers[addition.layer].name, addition.segments)
-    if list(world.models) != [model.name for model in state.models]:
+    entries = world.contents.additions.entries
+    expected, found = _names([entries[name] for name in world.models]), _names(state.models)
+    if expected != found:
         raise StateError(
-            f"the state is of another world: expected the models {', '.join(world.models)}; "
-            f"found {_names(state)}"
+            f"the state is of another world: expected the models {expected}; found {found}"
         )
     for model in state.models:
         world.models[model.name].move_revision = model.move_revision

@@ -37,12 +37,14 @@ class ModelEntry:
         namespace: of the model's topics and frames; may be empty.
         pose: of the model's origin in the world.
         model: the contents of its file.
+        is_inline: whether these are in the world's file itself.
     """
 
     name: str
     namespace: str
     pose: Pose
     model: ModelConfig
+    is_inline: bool = False
 
 
 @dataclass(frozen=True)
@@ -304,4 +306,4 @@ def _read_model_entry(
         reader.note(error)
     reader.finish()
     assert model is not None  # otherwise `finish` has raised
-    return ModelEntry(name, namespace, pose, model)
+    return ModelEntry(name, namespace, pose, model, reader.is_map("model"))

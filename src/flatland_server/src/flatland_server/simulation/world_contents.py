@@ -5,6 +5,7 @@ from typing import Dict, List, Optional
 from flatland_server import _core
 from flatland_server.arrays import Segments
 from flatland_server.exceptions import ModelError, Problem, YamlError
+from flatland_server.geometry import Pose
 from flatland_server.models.entity import Entities
 from flatland_server.models.layer import Layer
 from flatland_server.models.model import Model
@@ -37,6 +38,8 @@ class WorldContents:
         plan: the time until which steps call no hooks.
         deferred: changes that wait until they are safe.
         additions: models and walls that have been added since the world was made.
+        layout: the poses of models as a world file has them: those of the file, as clients have
+            spawned, moved and deleted them. Robots that drive and what plugins do change nothing.
         is_starting: whether the contents are still being made.
     """
 
@@ -69,6 +72,7 @@ class WorldContents:
         self.plan = self.plugins.plan
         self.deferred = DeferredActions()
         self.additions = Additions()
+        self.layout: Dict[str, Pose] = {entry.name: entry.pose for entry in config.models}
         self.is_starting = True
 
     def add_layers_and_models(self) -> None:

@@ -73,6 +73,8 @@ class WorldState:
     wall_counts: Dict[str, int]
     """The number of walls of each layer when the world was made, to recognise another map."""
     models: List[ModelState]
+    layout: Dict[str, List[float]]
+    """See `WorldContents.layout`."""
     walls: List[WallsState]
     footprints: List[FootprintState]
     plugins: List[PluginState]
@@ -111,7 +113,8 @@ class WorldState:
                     for index, each in enumerate(content[name])
                 ]
             state = plain_data.made(cls, content, "state")
-            if state.nanoseconds < 0 or any(len(each.pose) != 3 for each in state.models):
+            poses = [*(each.pose for each in state.models), *state.layout.values()]
+            if state.nanoseconds < 0 or any(len(pose) != 3 for pose in poses):
                 raise ValueError("expected a time of 0 or more, and poses of three numbers")
         except ValueError as error:
             raise StateError(f"the state is damaged: {error}") from None

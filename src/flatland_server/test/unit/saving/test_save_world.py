@@ -1,10 +1,13 @@
 """The service /save_world: what it writes into world files, and what it refuses."""
 
+import errno
+import os
+import random
 from types import SimpleNamespace
 
 import pytest
 
-from flatland_server.exceptions import FlatlandError
+from flatland_server.exceptions import FlatlandError, StateError
 from flatland_server.geometry import Pose
 from flatland_server.serving.client_edits import ClientEdits
 from flatland_server.serving.client_files import ClientFiles
@@ -13,6 +16,7 @@ from flatland_server.serving.service_host import ServiceHost
 from flatland_server.serving.state_services import StateServices
 from flatland_server.serving.world_saving import WorldSaving
 from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 
 BOX = "bodies: [{name: base, footprints: [{type: circle, radius: 0.2, density: 1}]}]\n"
@@ -86,6 +90,10 @@ class Server:
     def reset(self):
         request = SimpleNamespace(new_seed=False, seed=0, restart_time=True)
         self.host.actions["reset"](request)
+
+    def call(self, name, **fields):
+        """Calls a service."""
+        return self.host.actions[name](SimpleNamespace(**fields))
 
     def save(self, path=""):
         return self.host.actions["save_world"](SimpleNamespace(path=str(path)))["message"]
@@ -311,13 +319,292 @@ def test_a_client_writes_worlds_alone(server, files, tmp_path):
     assert fenced.world.config.path == kept / "mine.yaml"
 
 
-def test_a_link_stays_a_link(server, tmp_path):
+@pytest.mark.parametrize(
+    "text",
+    [
+        "site_name: Docs\nplugins:\n  - search\n",
+        "services: {}\nlayers: [a]\n",
+        "costmap:\n  plugins:\n  - {name: static_layer, type: 'costmap_2d::StaticLayer'}\n",
+        BOX,
+        "properties: {}\nlayers: []\nother: 1\n",
+        "properties: {}\nlayers: [\n",
+    ],
+)
+def test_what_does_not_load_as_a_world_is_not_replaced(server, tmp_path, text):
+    foreign = tmp_path / "foreign.yaml"
+    foreign.write_text(text)
+    server.move("c", 5.0, 6.0)
+
+    with pytest.raises(FlatlandError, match="expected a new file or a world, found something else"):
+        server.save(foreign)
+
+    assert foreign.read_text() == text
+
+
+def test_another_world_is_replaced(server, tmp_path):
+    other = tmp_path / "other.yaml"
+    other.write_text("properties: {}\nlayers: []\n")
+
+    server.save(other)
+
+    assert other.read_text() == WORLD
+
+
+@pytest.mark.parametrize("is_own", [True, False])
+def test_no_link_is_followed_or_replaced(server, tmp_path, is_own):
     real = tmp_path / "real.yaml"
-    server.path.rename(real)
-    server.path.symlink_to(real)
+    link = server.path if is_own else tmp_path / "link.yaml"
+    server.path.rename(real) if is_own else real.write_text(WORLD)
+    link.symlink_to(real)
+    server.move("c", 5.0, 6.0)
+
+    with pytest.raises(FlatlandError, match="expected a new file or a world, found a link"):
+        server.save("" if is_own else link)
+
+    assert link.is_symlink()
+    assert real.read_text() == WORLD
+
+
+def test_permissions_and_owner_stay(server):
+    server.path.chmod(0o640)
+    if os.geteuid() == 0:
+        os.chown(server.path, 1234, 1235)
+    before = server.path.stat()
     server.move("c", 5.0, 6.0)
 
     server.save()
 
-    assert server.path.is_symlink()
-    assert "[5, 6.0, 0]" in real.read_text()
+    now = server.path.stat()
+    assert (now.st_mode, now.st_uid, now.st_gid) == (before.st_mode, before.st_uid, before.st_gid)
+
+
+def test_a_full_disk_leaves_the_former_file(server, monkeypatch):
+    server.move("c", 5.0, 6.0)
+
+    def fail(descriptor):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", fail)
+    with pytest.raises(FlatlandError, match=r"cannot write .*: No space left on device"):
+        server.save()
+
+    assert server.text == WORLD
+    assert not list(server.path.parent.glob(".*"))
+    assert server.edits.count == 1
+
+
+def test_a_saved_model_that_a_loaded_state_lacks_is_spawned_and_saved_once(server, tmp_path):
+    state = str(tmp_path / "state")
+    server.call("save_state", path=state)
+    server.spawn("x", 1.0, 2.0)
+    server.save()
+    server.call("load_state", path=state)
+    assert server.edits.count == 1  # it is gone
+    server.spawn("x", 1.0, 2.0)
+    assert server.edits.count == 0
+
+    server.save()
+
+    assert server.text.count("name: x,") == 1
+    server.reset()
+    server.call("reload_world")
+    assert list(server.poses()) == ["a", "b", "c", "x"]
+
+
+def test_what_clients_have_changed_is_saved_with_a_state_and_sought(server, tmp_path):
+    state = str(tmp_path / "state")
+    server.manager.keep_history(interval=0.01)
+    server.move("a", 1.0, 1.0)
+    server.delete("b")
+    server.spawn("x", 1.0, 2.0)
+    server.manager.step(5)
+    server.call("save_state", path=state)
+    for name in ("a", "x"):
+        server.delete(name)
+    server.manager.step(5)
+
+    server.call("seek", time=0.05)
+
+    assert server.edits.count == 3
+    server.reset()
+    assert server.edits.count == 0
+    server.call("load_state", path=state)
+    assert server.edits.count == 3
+    server.save()
+    assert [entry.name for entry in server.world.read_config().models] == ["a", "c", "x"]
+
+
+def test_a_state_is_not_loaded_into_a_model_of_another_namespace(server, tmp_path):
+    server.call("save_state", path=str(tmp_path / "state"))
+    server.delete("c")
+    server.spawn("c", 5.0, 5.0, ns="~r2")
+    server.save()
+
+    with pytest.raises(StateError, match=r"expected the models a, b, c \(~r2\); found a, b, c$"):
+        server.call("load_state", path=str(tmp_path / "state"))
+
+
+@pytest.mark.parametrize(
+    ("change", "error"),
+    [
+        ("    - {name: x, model: box.yaml}\n# The end.", 'the name "x" is given twice'),
+        (
+            "    - {name: y, model: box.yaml}\n# The end.",
+            "expected a, b, c, x; found a, b, c, y, x",
+        ),
+        ("# The end.\nother: 1", r'world.yaml:\d+: .*unknown key "other"'),
+    ],
+)
+def test_models_that_were_changed_in_the_file_meanwhile_are_not_lost(server, change, error):
+    server.spawn("x", 1.0, 2.0)
+    text = WORLD.replace("# The end.", change)
+    server.path.write_text(text)
+
+    with pytest.raises(FlatlandError, match=error):
+        server.save()
+
+    assert server.text == text
+    assert server.edits.count == 1
+
+
+def test_a_pose_that_was_changed_in_the_file_meanwhile_is_the_clients(server):
+    server.path.write_text(WORLD.replace("[5, 5, 0]", "[7, 5, 1]"))
+    server.move("c", 5.0, 6.0)
+
+    server.save()
+
+    assert server.text == WORLD.replace("[5, 5, 0]", "[5.0, 6.0, 0.0]")
+
+
+def test_a_model_whose_file_is_gone_is_not_saved(server, files):
+    path = files.write("gone.yaml", BOX)
+    server.spawn("x", 1.0, 2.0, path=str(path))
+    path.unlink()
+
+    with pytest.raises(FlatlandError, match=r"world.yaml:.* models\[3\].model: .*gone.yaml"):
+        server.save()
+
+    assert server.text == WORLD
+
+
+def test_models_within_the_world_file_are_saved_in_copies_of_copies(files, tmp_path):
+    text = f"properties: {{}}\nlayers: []\nmodels:\n- {{name: a, model: {{{BOX.strip()}}}}}\n"
+    server = Server(files, text)
+    for number in range(3):
+        folder = tmp_path / f"copy {number}"
+        folder.mkdir()
+        server.move("a", number, 1.0)
+        server.save(folder / "world.yaml")
+        assert server.edits.count == 0
+
+    assert server.world.read_config().models[0].pose == Pose(2.0, 1.0, 0.0)
+
+
+class RandomUser:
+    """Calls services at random, and notes the models that the world must have."""
+
+    def __init__(self, server, folder, seed):
+        self.server, self.folder = server, folder
+        self.rng = random.Random(seed)
+        self.present, self.filed = {}, {}
+        self.states = {}
+        self.forget(server.poses())
+
+    def forget(self, poses):
+        self.present = {name: ("", tuple(pose)) for name, pose in poses.items()}
+        self.filed = dict(self.present)
+
+    def pose(self):
+        return tuple(round(self.rng.uniform(-5, 5), 2) for _ in range(2))
+
+    def spawn(self):
+        free = [name for name in "abcdefg" if name not in self.present]
+        if free:
+            name, ns, pose = self.rng.choice(free), self.rng.choice(["", "~r2", "ns"]), self.pose()
+            path = self.rng.choice(["box.yaml", "more/box.yaml"])
+            self.server.spawn(name, *pose, path=path, ns=ns)
+            self.present[name] = (ns.lstrip("~"), (*pose, 0.0))
+
+    def some(self):
+        return self.rng.choice(sorted(self.present)) if self.present else None
+
+    def delete(self):
+        name = self.some()
+        if name is not None:
+            self.server.delete(name)
+            del self.present[name]
+
+    def move(self):
+        name = self.some()
+        if name is not None:
+            pose = self.pose()
+            self.server.move(name, *pose)
+            self.present[name] = (self.present[name][0], (*pose, 0.0))
+
+    def save_state(self):
+        name = str(self.folder / self.rng.choice("12"))
+        self.server.call("save_state", path=name)
+        self.states[name] = dict(self.present)
+
+    def load_state(self):
+        if not self.states:
+            return
+        name = self.rng.choice(sorted(self.states))
+        try:
+            self.server.call("load_state", path=name)
+        except StateError as error:  # a model that came with the file is not in it any more
+            if "the state is of another world" not in str(error):
+                raise
+        else:
+            self.present = dict(self.states[name])
+
+    def reset(self):
+        self.server.reset()
+        self.present = dict(self.filed)
+
+    def reload(self):
+        self.server.call("reload_world")
+        self.present = dict(self.filed)
+
+    def seek(self):
+        """Goes back to before a change."""
+        self.server.manager.step(2)
+        before, time = dict(self.present), self.server.manager.time
+        self.rng.choice([self.spawn, self.delete, self.move])()
+        self.server.manager.step(2)
+        self.server.call("seek", time=time)
+        self.present = before
+
+    def save(self):
+        server = self.server
+        server.save()
+        assert server.edits.count == 0
+        self.filed = dict(self.present)
+        loaded = World(server.world.read_config(), loader=server.world._loader)
+        assert {
+            name: (model.namespace, pytest.approx(tuple(model.pose), abs=1e-4))
+            for name, model in loaded.models.items()
+        } == self.present
+        kinds = [
+            {name: (model.namespace, model.config.path) for name, model in world.models.items()}
+            for world in (loaded, server.world)
+        ]
+        assert kinds[0] == kinds[1]
+
+    def do(self, count):
+        actions = [self.spawn, self.spawn, self.delete, self.move, self.save, self.save_state]
+        actions += [self.load_state, self.reset, self.reload, self.seek]
+        for _ in range(count):
+            self.rng.choice(actions)()
+            assert set(self.server.world.models) == set(self.present)
+        self.save()
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_saved_file_has_the_worlds_models_whatever_was_done_before(files, tmp_path, seed):
+    (files.folder / "more").mkdir()
+    files.write("more/box.yaml", BOX)
+    server = Server(files, WORLD)
+    server.manager.keep_history(interval=0.01)
+
+    RandomUser(server, tmp_path, seed).do(60)
