@@ -119,7 +119,7 @@ def test_new_topics_are_announced(viewer):
 @pytest.mark.parametrize(
     ("message", "expected"),
     [
-        ("{", "does not follow the protocol"),
+        ("{", "expected JSON"),
         ('{"op": "fetch"}', "there is no operation"),
         ('{"op": "subscribe", "subscriptions": [{"id": 1, "channelId": 9999}]}', "no channel 9999"),
         (b"\x01\x09\x00\x00\x00abc", "channel 9 is not advertised"),

@@ -15,6 +15,7 @@ from cyclonedds.topic import Topic
 from flatland_bridge.graph import BridgeError, Graph
 from flatland_bridge.outbox import Stream
 from flatland_server.exceptions import shortened
+from flatland_server.messages.message_types import deserialized
 
 logger = logging.getLogger(__name__)
 
@@ -183,7 +184,7 @@ class Input:
                 continue
             try:
                 data = self.reader.topic.data_type.from_cdr(each.data)
-                self._publish(self._kind().deserialize(data))
+                self._publish(deserialized(self._kind, data, "strict"))
             except BridgeError as error:
                 self._warn(str(error))
             except Exception as error:  # of any kind, from any depth of rosbags

@@ -9,18 +9,26 @@ import itertools
 import struct
 import uuid
 from concurrent.futures import Executor
-from typing import Any, Callable, Dict, List, Mapping, Set, Tuple
+from typing import Any, Callable, Dict, List, Set, Tuple
 
 import orjson
 
+from flatland_bridge.client_messages import (
+    Message,
+    decoded,
+    field,
+    items,
+    message_of,
+    name_of,
+    whole,
+    whole_numbers,
+)
 from flatland_bridge.graph import BridgeError, Graph, Sample
 from flatland_bridge.outbox import Data, Outbox, Send, Stream
-from flatland_bridge.plain_form import from_plain, to_plain
-from flatland_server.config.ros_names import is_topic
+from flatland_bridge.plain_form import from_plain, plain_text, to_plain
 from flatland_server.exceptions import FlatlandError, MessageError, shortened
-from flatland_server.messages.message_types import get
+from flatland_server.messages.message_types import deserialized, get
 from flatland_server.messages.wire_form import serialized
-from flatland_server.transport.local_transport import absolute_name
 
 SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
 """Equal in all that is used here."""
@@ -28,6 +36,7 @@ SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
 _MESSAGE_DATA, _TIME, _SERVICE_RESPONSE = 1, 2, 3  # from the server
 _CLIENT_MESSAGE, _SERVICE_REQUEST = 1, 2
 _JSON, _ROS1 = "json", "ros1"
+_ENCODINGS = "expected the encoding json or ros1"
 _ERROR = 2  # a level of status messages
 
 _TOPICS_PERIOD = 0.2
@@ -38,8 +47,6 @@ _MOST_CALLS = 50
 """Calls of services that may go on for a client at the same time."""
 
 _SESSION_ID = uuid.uuid4().hex
-
-Message = Mapping[str, Any]
 
 
 class FoxgloveSession:
@@ -88,14 +95,14 @@ class FoxgloveSession:
             if isinstance(data, bytes):
                 self._handle_binary(data)
                 return
-            message = orjson.loads(data)
-            operation = message["op"]
+            message = message_of(data)
+            operation = field(message, "op", str)
             if operation not in self._operations:
                 raise BridgeError(f'there is no operation "{shortened(str(operation))}"')
             self._operations[operation](message)
         except FlatlandError as error:
-            self._send({"op": "status", "level": _ERROR, "message": str(error)})
-        except (KeyError, TypeError, ValueError, struct.error) as error:
+            self._send({"op": "status", "level": _ERROR, "message": plain_text(str(error))})
+        except (ValueError, struct.error) as error:
             text = f"a message that does not follow the protocol: {shortened(repr(error))}"
             self._send({"op": "status", "level": _ERROR, "message": text})
 
@@ -150,12 +157,12 @@ class FoxgloveSession:
     # Topics
 
     def _subscribe(self, message: Message) -> None:
-        for each in message["subscriptions"]:
-            key, channel = each["id"], each["channelId"]
+        for each in items(message, "subscriptions"):
+            key, channel = whole(each, "id"), whole(each, "channelId")
             if channel not in self._channels:
-                raise BridgeError(f"there is no channel {shortened(str(channel))}")
-            if not (isinstance(key, int) and 0 <= key < 2**32) or key in self._subscriptions:
-                raise BridgeError(f"a subscription of the id {shortened(str(key))} is not possible")
+                raise BridgeError(f"there is no channel {channel}")
+            if key in self._subscriptions:
+                raise BridgeError(f"there is a subscription of the id {key} already")
             if len(self._subscriptions) >= _MOST_TOPICS:
                 raise BridgeError(f"a client may subscribe to {_MOST_TOPICS} topics")
             stream = Stream(_encoder(key), self._outbox.wake)
@@ -164,7 +171,7 @@ class FoxgloveSession:
             self._subscriptions[key] = channel, end
 
     def _unsubscribe(self, message: Message) -> None:
-        for key in message["subscriptionIds"]:
+        for key in whole_numbers(message, "subscriptionIds"):
             self._end(key)
 
     def _end(self, key: int) -> None:
@@ -173,21 +180,19 @@ class FoxgloveSession:
         end()
 
     def _advertise(self, message: Message) -> None:
-        for each in message["channels"]:
-            topic, encoding = str(each["topic"]), each["encoding"]
-            if not is_topic(topic):
-                raise BridgeError(f'expected the name of a topic, found "{shortened(topic)}"')
+        for each in items(message, "channels"):
+            number, topic = whole(each, "id"), name_of(each, "topic")
+            encoding = field(each, "encoding", str)
             if encoding not in (_JSON, _ROS1):
-                raise BridgeError(f"expected the encoding json or ros1, found {encoding}")
+                raise BridgeError(f'{_ENCODINGS}, found "{shortened(encoding)}"')
             if len(self._client_channels) >= _MOST_TOPICS:
                 raise BridgeError(f"a client may advertise {_MOST_TOPICS} topics")
-            kind = get(str(each["schemaName"]).replace("/msg/", "/"))
-            topic = absolute_name(topic)
-            self._client_channels[each["id"]] = topic, kind, encoding
+            kind = get(field(each, "schemaName", str).replace("/msg/", "/"))
+            self._client_channels[number] = topic, kind, encoding
             self._graph.advertise(topic, kind)
 
     def _unadvertise(self, message: Message) -> None:
-        for number in message["channelIds"]:
+        for number in whole_numbers(message, "channelIds"):
             self._client_channels.pop(number, None)
 
     # Binary messages
@@ -233,7 +238,7 @@ class FoxgloveSession:
 
     def _fail(self, number: int, call: int, text: str) -> None:
         failure = {"op": "serviceCallFailure", "serviceId": number, "callId": call}
-        self._send({**failure, "message": text})
+        self._send({**failure, "message": plain_text(text)})
 
     def _send(self, message: Message) -> None:
         self._outbox.reply(orjson.dumps(message).decode())
@@ -274,12 +279,9 @@ def _message(message_type: Any, encoding: str, data: bytes) -> Any:
     """
     if encoding == _JSON:
         try:
-            return from_plain(message_type, orjson.loads(data or b"{}"))
-        except orjson.JSONDecodeError as error:
+            return from_plain(message_type, decoded(data.decode() or "{}"))
+        except UnicodeDecodeError as error:
             raise MessageError(f"expected JSON: {error}") from None
     if encoding != _ROS1:
-        raise BridgeError(f'expected the encoding json or ros1, found "{shortened(encoding)}"')
-    try:
-        return message_type().deserialize(data)
-    except Exception as error:  # ROS's classes raise all kinds
-        raise MessageError(f"expected a {message_type._type}: {shortened(str(error))}") from None
+        raise BridgeError(f'{_ENCODINGS}, found "{shortened(encoding)}"')
+    return deserialized(message_type, data, "strict")

@@ -5,6 +5,7 @@ from functools import cached_property
 from typing import Any, Callable, Dict, FrozenSet, NamedTuple, Optional
 
 from flatland_server.exceptions import FlatlandError, suggestion
+from flatland_server.messages.message_types import deserialized
 from flatland_server.messages.service_types import ServiceType
 from flatland_server.messages.wire_form import serialized
 
@@ -58,7 +59,7 @@ class Sample:
         # One that is serialized in advance, or when it is sent, has no fields.
         if type(self._message) is self.message_type:
             return self._message
-        return self.message_type().deserialize(self.data)
+        return deserialized(self.message_type, self.data)
 
     @cached_property
     def data(self) -> bytes:

@@ -1,54 +1,45 @@
 """Messages of the rosbridge protocol as JSON, CBOR and fragments."""
 
+import base64
 import itertools
-from typing import Any, Callable, Iterable, List, Mapping, Optional
+from typing import Any, Callable, Iterable, List
 
 import cbor2
 import orjson
 
+from flatland_bridge.client_messages import Message
 from flatland_bridge.graph import BridgeError, Sample
 from flatland_bridge.outbox import Data
-from flatland_bridge.plain_form import read_tag, to_plain
+from flatland_bridge.plain_form import to_plain
 from flatland_server.exceptions import shortened
 
 COMPRESSIONS = ("none", "cbor", "cbor-raw")
 
-Message = Mapping[str, Any]
 
-
-def encoded(message: Message, compression: str, fragment_size: Optional[int]) -> Iterable[Data]:
+def encoded(message: Message, compression: str, fragment_size: int) -> Iterable[Data]:
     """A message, in one or more pieces.
 
     Args:
         message: the message.
         compression: "cbor", or anything else for JSON.
-        fragment_size: longest text of JSON [characters], without the fragment's own fields.
-    """
-    if compression == "cbor":
-        return [bytes(cbor2.dumps(message))]
-    return _fragments(_json(message), fragment_size)
-
-
-def decoded(data: Data) -> Any:
-    """A message of a client.
-
-    Args:
-        data: JSON text, or CBOR bytes.
+        fragment_size: longest text of JSON [characters], without the fragment's own fields; 0 is
+            any.
 
     Raises:
-        BridgeError: it is neither.
+        BridgeError: a value cannot be encoded.
     """
     try:
-        return orjson.loads(data) if isinstance(data, str) else cbor2.loads(data, tag_hook=read_tag)
-    except (orjson.JSONDecodeError, cbor2.CBORDecodeError, RecursionError) as error:
-        kind = "JSON" if isinstance(data, str) else "CBOR"
-        raise BridgeError(f"expected {kind}: {shortened(str(error))}") from None
+        if compression == "cbor":
+            return [bytes(cbor2.dumps(message, default=_encode_array))]
+        return _fragments(_json(message), fragment_size)
+    except (TypeError, ValueError, cbor2.CBOREncodeError) as error:
+        raise BridgeError(f"an answer cannot be sent: {shortened(str(error))}") from None
 
 
 _fragment_numbers = itertools.count(1)
 
 
-def _fragments(text: str, size: Optional[int]) -> Iterable[str]:
+def _fragments(text: str, size: int) -> Iterable[str]:
     """A text, in fragments if it is longer than a size."""
     if not size or len(text) <= size:
         return [text]
@@ -58,17 +49,24 @@ def _fragments(text: str, size: Optional[int]) -> Iterable[str]:
     return [_json({**head, "num": index, "data": part}) for index, part in enumerate(parts)]
 
 
-def publisher(compression: str, fragment_size: Optional[int]) -> Callable[[Sample], List[Data]]:
+def publisher(compression: str, fragment_size: int) -> Callable[[Sample], List[Data]]:
     """Makes what a client gets of each message of a topic.
 
     Args:
         compression: one of `COMPRESSIONS`.
         fragment_size: as for `encoded`.
+
+    Returns:
+        A function that raises a BridgeError if a message has a wrong value.
     """
 
     def publish(sample: Sample) -> List[Data]:
         if compression not in sample.encodings:
-            sample.encodings[compression] = _ENCODERS[compression](sample)
+            try:
+                sample.encodings[compression] = _ENCODERS[compression](sample)
+            except Exception as error:  # ROS's classes raise all kinds
+                text = f'a message of "{sample.topic}" cannot be sent: {shortened(str(error))}'
+                raise BridgeError(text) from None
         data = sample.encodings[compression]
         if compression != "none":
             return [data]
@@ -98,4 +96,16 @@ _ENCODERS = {"none": _publish_json, "cbor": _publish_cbor, "cbor-raw": _publish_
 
 
 def _json(message: Message) -> str:
-    return str(orjson.dumps(message, option=orjson.OPT_SERIALIZE_NUMPY), "utf-8")
+    return str(orjson.dumps(message, _to_text, orjson.OPT_SERIALIZE_NUMPY), "utf-8")
+
+
+def _to_text(value: Any) -> str:
+    """The text of bytes that a client has sent to another."""
+    if isinstance(value, bytes):
+        return base64.b64encode(value).decode()
+    raise TypeError(f"expected plain values, found {value!r}")
+
+
+def _encode_array(encoder: Any, value: Any) -> None:
+    """Encodes an array that a client has sent to another."""
+    encoder.encode(value.tolist())

@@ -8,15 +8,14 @@ import itertools
 from concurrent.futures import Executor
 from typing import Any, Callable, Dict, Optional, Set, Tuple
 
+from flatland_bridge.client_messages import Message, field, id_of, message_of, name_of, whole
 from flatland_bridge.graph import BridgeError, Graph
 from flatland_bridge.outbox import Data, Outbox, Send, Stream
 from flatland_bridge.plain_form import from_plain, to_plain
 from flatland_bridge.rosapi import RosApi
-from flatland_bridge.rosbridge_form import COMPRESSIONS, Message, decoded, encoded, publisher
-from flatland_server.config.ros_names import is_topic
+from flatland_bridge.rosbridge_form import COMPRESSIONS, encoded, publisher
 from flatland_server.exceptions import FlatlandError, MessageError, shortened, suggestion
 from flatland_server.messages.message_types import get
-from flatland_server.transport.local_transport import absolute_name
 
 _LEVELS = ("none", "error", "warning", "info")
 _MOST_TOPICS = 500
@@ -83,18 +82,16 @@ class RosbridgeSession:
         Args:
             data: JSON text, or CBOR bytes.
         """
-        message: Any = {}
+        message: Message = {}
         try:
-            message = decoded(data)
-            if not isinstance(message, dict):
-                raise BridgeError(f"expected an object, found {shortened(repr(message))}")
-            operation = message.get("op")
-            if not isinstance(operation, str) or operation not in self._operations:
-                hint = suggestion(str(operation), self._operations)
-                raise BridgeError(f'there is no operation "{shortened(str(operation))}"{hint}')
+            message = message_of(data)
+            operation = field(message, "op", str)
+            if operation not in self._operations:
+                hint = suggestion(operation, self._operations)
+                raise BridgeError(f'there is no operation "{shortened(operation)}"{hint}')
             self._operations[operation](message)
         except FlatlandError as error:
-            self._status("error", str(error), message if isinstance(message, dict) else {})
+            self._status("error", str(error), message)
 
     async def run(self, send: Send) -> None:
         """Sends messages for ever."""
@@ -118,7 +115,7 @@ class RosbridgeSession:
     # Topics
 
     def _subscribe(self, message: Message) -> None:
-        topic, kind = _topic(message), message.get("type")
+        topic, kind = name_of(message, "topic"), message.get("type")
         known = self._graph.topics.types.get(topic)
         if kind is not None and known not in (None, _ros1_name(kind)):
             raise BridgeError(
@@ -127,16 +124,16 @@ class RosbridgeSession:
         if topic not in self._subscriptions and len(self._subscriptions) >= _MOST_TOPICS:
             raise BridgeError(f"a client may subscribe to {_MOST_TOPICS} topics")
         compression = message.get("compression", "none")
-        if compression not in COMPRESSIONS:
+        if not isinstance(compression, str) or compression not in COMPRESSIONS:
             names = ", ".join(COMPRESSIONS)
             self._status("warning", f"compression: expected {names}; it is none", message)
             compression = "none"
-        size = _whole(message, "fragment_size", None)
+        size = whole(message, "fragment_size", 0)
         stream = Stream(
             publisher(compression, size),
             self._outbox.wake,
-            (_whole(message, "throttle_rate", 0) or 0) / 1000.0,
-            _whole(message, "queue_length", None),
+            whole(message, "throttle_rate", 0) / 1000.0,
+            whole(message, "queue_length", 0),
         )
         end = self._graph.subscribe(topic, stream.receive)
         if topic in self._subscriptions:  # once more: the last one says how
@@ -146,7 +143,7 @@ class RosbridgeSession:
         self._ids.setdefault(topic, set()).add(str(message.get("id")))
 
     def _unsubscribe(self, message: Message) -> None:
-        topic = _topic(message)
+        topic = name_of(message, "topic")
         ids = self._ids.get(topic, set())
         ids.discard(str(message.get("id")))
         if message.get("id") is None or not ids:
@@ -157,7 +154,7 @@ class RosbridgeSession:
                 end()
 
     def _advertise(self, message: Message) -> None:
-        topic, kind = _topic(message), _ros1_name(message.get("type"))
+        topic, kind = name_of(message, "topic"), _ros1_name(message.get("type"))
         message_type = get(kind)
         known = self._graph.topics.types.get(topic)
         if known not in (None, kind):
@@ -168,10 +165,10 @@ class RosbridgeSession:
         self._graph.advertise(topic, message_type)
 
     def _unadvertise(self, message: Message) -> None:
-        self._advertised.pop(_topic(message), None)
+        self._advertised.pop(name_of(message, "topic"), None)
 
     def _publish(self, message: Message) -> None:
-        topic = _topic(message)
+        topic = name_of(message, "topic")
         types = self._graph.topics.types
         kind = self._advertised.get(topic) or types.get(topic)
         if kind is None:
@@ -194,7 +191,8 @@ class RosbridgeSession:
     # Services
 
     def _call_service(self, message: Message) -> None:
-        name = _name(message, "service")
+        name = name_of(message, "service")
+        whole(message, "fragment_size", 0)  # of the answer
         provider = self._providers.sessions.get(name)
         if provider is not None:
             number = f"{id(provider)}:{next(self._providers.numbers)}"
@@ -220,7 +218,8 @@ class RosbridgeSession:
 
     def _answer(self, name: str, message: Message) -> Any:
         """The values of a service's response; on a thread of the pool."""
-        arguments = message.get("args") or {}
+        arguments = message.get("args")
+        arguments = {} if arguments is None else arguments
         if name in self._rosapi.services:
             return self._rosapi.services[name](arguments if isinstance(arguments, dict) else {})
         kind = self._graph.service_type(name)
@@ -228,35 +227,36 @@ class RosbridgeSession:
         return to_plain(response, cbor=message.get("compression") == "cbor")
 
     def _respond(self, call: Message, values: Any, succeeded: bool) -> None:
-        response = {"op": "service_response", "service": call.get("service"), "values": values}
-        if "id" in call:
-            response["id"] = call["id"]
-        self._send({**response, "result": succeeded}, call)
+        response = {"op": "service_response", "service": call.get("service"), **id_of(call)}
+        try:
+            self._send({**response, "values": values, "result": succeeded}, call)
+        except BridgeError as error:
+            self._send({**response, "values": str(error), "result": False}, call)
 
     def _advertise_service(self, message: Message) -> None:
-        name = _name(message, "service")
+        name = name_of(message, "service")
         if name in self._graph.services or name in self._rosapi.services:
             raise BridgeError(f'there is a service "{name}" already')
         if self._providers.sessions.setdefault(name, self) is not self:
             raise BridgeError(f'another client offers the service "{name}"')
 
     def _unadvertise_service(self, message: Message) -> None:
-        name = _name(message, "service")
+        name = name_of(message, "service")
         if self._providers.sessions.get(name) is self:
             del self._providers.sessions[name]
 
     def _service_response(self, message: Message) -> None:
         caller, call = self._providers.calls.pop(str(message.get("id")), (None, {}))
         if caller is not None:
-            caller._respond(call, message.get("values"), bool(message.get("result")))
+            caller._respond(call, message.get("values"), message.get("result") is True)
 
     # Fragments, and messages about messages
 
     def _fragment(self, message: Message) -> None:
-        number, total = _whole(message, "num", None), _whole(message, "total", None)
-        data, key = message.get("data"), str(message.get("id"))
-        if number is None or not total or number >= total or not isinstance(data, str):
-            raise BridgeError("a fragment needs id, num, total and data")
+        number, total = whole(message, "num"), whole(message, "total")
+        data, key = field(message, "data", str), str(message.get("id"))
+        if number >= total:
+            raise BridgeError(f"num: expected less than total ({total}), found {number}")
         parts = self._fragments.setdefault(key, {})
         parts[number] = data
         if len(parts) == total:
@@ -269,7 +269,7 @@ class RosbridgeSession:
             raise BridgeError("there are too many fragments of incomplete messages")
 
     def _set_level(self, message: Message) -> None:
-        level = message.get("level")
+        level = field(message, "level", str)
         if level not in _LEVELS:
             raise BridgeError(
                 f"level: expected {', '.join(_LEVELS)}, found {shortened(repr(level))}"
@@ -279,24 +279,13 @@ class RosbridgeSession:
     def _status(self, level: str, text: str, about: Message) -> None:
         if _LEVELS.index(level) <= _LEVELS.index(self._level):
             status = {"op": "status", "level": level, "msg": text}
-            self._send({**status, "id": about["id"]} if "id" in about else status)
+            self._send({**status, **id_of(about)})
 
     def _send(self, message: Message, call: Optional[Message] = None) -> None:
         call = call or {}
-        size = _whole(call, "fragment_size", None)
+        size = whole(call, "fragment_size", 0)
         for data in encoded(message, str(call.get("compression")), size):
             self._outbox.reply(data)
-
-
-def _name(message: Message, key: str) -> str:
-    name = message.get(key)
-    if not isinstance(name, str) or not is_topic(name):
-        raise BridgeError(f"expected a name as {key}, found {shortened(repr(name))}")
-    return absolute_name(name)
-
-
-def _topic(message: Message) -> str:
-    return _name(message, "topic")
 
 
 def _ros1_name(kind: Any) -> str:
@@ -304,15 +293,3 @@ def _ros1_name(kind: Any) -> str:
     if not isinstance(kind, str):
         raise MessageError(f"expected the name of a type, found {shortened(repr(kind))}")
     return kind.replace("/msg/", "/")
-
-
-def _whole(message: Message, key: str, default: Optional[int]) -> Optional[int]:
-    """A whole number of 0 or more."""
-    value = message.get(key)
-    if value is None:
-        return default
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or value != int(value):
-        raise BridgeError(f"{key}: expected a whole number, found {shortened(repr(value))}")
-    if value < 0:
-        raise BridgeError(f"{key}: expected 0 or more, found {value}")
-    return int(value)

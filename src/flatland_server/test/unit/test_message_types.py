@@ -6,6 +6,8 @@ import inspect
 import pickle
 import random
 import string
+import struct
+import tracemalloc
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -16,9 +18,9 @@ import pytest
 from without_ros import run_without_ros
 
 from flatland_server import LocalTransport, MessageError, Node, messages
-from flatland_server.messages import message, message_types, times
+from flatland_server.messages import message, message_types, service_types, times
 from flatland_server.messages.definition import NUMBERS, FieldType
-from flatland_server.messages.message_types import MessageTypes
+from flatland_server.messages.message_types import MessageTypes, deserialized
 from flatland_server.messages.standard_definitions import standard_definitions
 from flatland_server.messages.wire_form import serialized
 
@@ -227,6 +229,84 @@ def test_data_that_is_too_short_is_refused():
     for length in range(len(data)):
         with pytest.raises(MessageError, match=f"found {length}"):
             OURS.get("sensor_msgs/LaserScan")().deserialize(data[:length])
+
+
+@pytest.mark.parametrize("length", [2**32 - 1, 2**31, 100_001])
+@pytest.mark.parametrize("is_ros", [False, True], ids=["ours", "ros"])
+@pytest.mark.parametrize(
+    "name", ["nav_msgs/Path", "tf2_msgs/TFMessage", "sensor_msgs/JointState", "unknown/Nothings"]
+)
+def test_a_length_without_data_makes_nothing(name, is_ros, length):
+    types = message_types.TYPES if is_ros else OURS
+    types.add("unknown/Nothing", "")
+    types.add("unknown/Nothings", "Nothing[] items")
+    kind = types.get(name)
+    head = serialized(kind())[: -4 if name != "sensor_msgs/JointState" else -16]
+    data = head + struct.pack("<I", length)
+
+    tracemalloc.start()
+    try:
+        with pytest.raises(MessageError, match=f"{name}: expected "):
+            deserialized(kind, data)
+        if not is_ros:
+            with pytest.raises(MessageError):
+                kind().deserialize(data)
+        assert tracemalloc.get_traced_memory()[1] < 200_000
+    finally:
+        tracemalloc.stop()
+
+
+def test_a_message_of_few_bytes_may_be_large():
+    points = OURS.get("sensor_msgs/PointCloud")(
+        points=[OURS.get("geometry_msgs/Point32")()] * 100_001
+    )
+
+    assert len(deserialized(type(points), serialized(points)).points) == 100_001
+
+
+def test_messages_of_ros_are_read_as_by_ros():
+    for name in NAMES:
+        ros = RandomValues(message_types.TYPES, name).message(name)
+        data = serialized(ros)
+
+        received = deserialized(type(ros), data)
+
+        assert type(received) is type(ros)
+        assert plain(received) == plain(type(ros)().deserialize(data))
+
+
+def test_requests_and_responses_are_read_by_their_definitions():
+    for name in ("flatland_msgs/SpawnModel", "flatland_msgs/Step", "std_srvs/SetBool"):
+        for kind in service_types.get(name)[1:3]:
+            assert deserialized(kind, serialized(kind())) == kind()
+
+
+def test_the_name_of_a_type_imports_only_packages_with_messages(tmp_path, monkeypatch):
+    """Those of genpy, also in a package that catkin relays to its source, and no others."""
+    generated = Path(messages.get("std_msgs/Bool").__module__.replace(".", "/") + ".py")
+    generated = (
+        (Path(genpy.__file__).parents[1] / generated).read_text().replace("std_msgs", "carts")
+    )
+    relayed, plain_package = tmp_path / "carts", tmp_path / "boats"
+    for folder in (relayed / "msg", plain_package / "msg"):
+        folder.mkdir(parents=True)
+        ran = "from pathlib import Path\nPath(__file__).with_name('ran').touch()\n"
+        (folder.parent / "__init__.py").write_text(ran)
+    (relayed / "msg" / "_Bool.py").write_text(generated)
+    (relayed / "msg" / "__init__.py").write_text("from ._Bool import *")
+    (plain_package / "msg" / "__init__.py").write_text("Bool = 1")
+    monkeypatch.syspath_prepend(tmp_path)
+
+    with pytest.raises(MessageError, match="no message type"):
+        messages.get("boats/Bool")
+    with pytest.raises(MessageError, match="expected the name of a message type"):
+        messages.get("boats.msg")
+    with pytest.raises(MessageError, match="no service type"):
+        service_types.get("boats/Bool")
+    with pytest.raises(MessageError, match="no message type"):
+        messages.get("carts/Boool")
+    assert not list(tmp_path.rglob("ran"))
+    assert issubclass(messages.get("carts/Bool"), genpy.Message)
 
 
 def test_threads_get_the_same_class():

@@ -23,7 +23,12 @@ sys.meta_path.insert(0, Blocker())
 
 def run_without_ros(program: str, *arguments: object) -> str:
     """The output of a program in a Python in which no package of ROS can be imported."""
-    command = [sys.executable, "-c", BLOCK_ROS + program, *map(str, arguments)]
+    return run_program(BLOCK_ROS + program, *arguments)
+
+
+def run_program(program: str, *arguments: object) -> str:
+    """The output of a program in a Python of its own."""
+    command = [sys.executable, "-c", program, *map(str, arguments)]
     paths = [os.environ.get("PYTHONPATH", ""), *sys.path]  # the workspace's, then the tests' own
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))}
     result = subprocess.run(

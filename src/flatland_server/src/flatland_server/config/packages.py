@@ -36,7 +36,9 @@ def package_folders(name: str) -> List[Path]:
         An empty list if there is no such package.
     """
     ros_package = ros_packages().get(name)
-    return [ros_package] if ros_package else folders_beside(name, _python_package(name))
+    if ros_package:
+        return [ros_package]
+    return folders_beside(name, python_package_folders(name, with_namespaces=False))
 
 
 def folders_beside(name: str, locations: Iterable[Path]) -> List[Path]:
@@ -96,14 +98,22 @@ def ros_package_name(folder: Path) -> str:
     return name.group(1).decode("utf-8", "replace") if name else folder.name
 
 
-def _python_package(name: str) -> List[Path]:
-    """The folders of a top-level package's modules; it is not imported for that."""
+def python_package_folders(name: str, *, with_namespaces: bool) -> List[Path]:
+    """The folders of a top-level package's modules; it is not imported for that.
+
+    Args:
+        name: of the package.
+        with_namespaces: whether packages without an `__init__` count: any folder on sys.path.
+    """
     if not name.isidentifier():
         return []
     module = sys.modules.get(name)
     if module is not None:  # catkin's devel space adds to the path of a package that is imported
         return [Path(location) for location in getattr(module, "__path__", ())]
-    spec = importlib.util.find_spec(name)
-    if spec is None or spec.origin is None:  # a namespace: any folder on sys.path
+    try:
+        spec = importlib.util.find_spec(name)
+    except ImportError:
+        return []
+    if spec is None or not (spec.origin or with_namespaces):
         return []
     return [Path(location) for location in spec.submodule_search_locations or ()]

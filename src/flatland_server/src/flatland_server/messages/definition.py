@@ -6,6 +6,7 @@ https://wiki.ros.org/ROS/Technical%20Overview the sum.
 
 import hashlib
 import re
+import struct
 from dataclasses import dataclass
 from keyword import iskeyword
 from typing import Callable, Iterable, Iterator, List, NamedTuple, Optional, Tuple, Union
@@ -18,6 +19,14 @@ NUMBERS = {
     **{"uint8": "B", "uint16": "H", "uint32": "I", "uint64": "Q"},
 }
 """The numeric types, with their formats in the module struct."""
+
+INTEGERS = {
+    name: (0, 2**bits - 1) if name[0] in "uc" else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+    for name, letter in NUMBERS.items()
+    if letter not in "?fd"
+    for bits in (8 * struct.calcsize(letter),)
+}
+"""The integer types, with their least and largest values."""
 
 BUILT_IN = (*NUMBERS, "string", "time", "duration")
 

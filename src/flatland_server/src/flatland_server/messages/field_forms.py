@@ -6,6 +6,7 @@ one `struct.pack` of seven numbers.
 
 import struct
 from abc import abstractmethod
+from functools import cached_property
 from itertools import groupby
 from operator import attrgetter
 from typing import Any, Callable, List, NamedTuple, Optional, Sequence, Tuple
@@ -14,6 +15,7 @@ import numpy as np
 
 from flatland_server.exceptions import shortened
 from flatland_server.messages.definition import NUMBERS, Definition, FieldType
+from flatland_server.messages.object_budget import objects_in
 from flatland_server.messages.wire_form import (
     LENGTH,
     WRONG_VALUE,
@@ -116,6 +118,10 @@ class _Numbers(Part):
             for owner, group in groupby(split, lambda parts: parts[0])
         ]
 
+    @property
+    def least_size(self) -> int:
+        return self._form.size
+
     def write(self, message: Any, chunks: List[bytes]) -> None:
         chunks.append(self._form.pack(*self._get(message)))
 
@@ -138,15 +144,24 @@ class _Numbers(Part):
 class _Single(Part):
     """A part that is one field."""
 
+    item_size = 1
+    """Least number of bytes of an item."""
+
     def __init__(self, path: str, kind: FieldType) -> None:
         self._path = path
         self._kind = kind
         self._get = attrgetter(path)
         owner, _, self._name = path.rpartition(".")
-        self._owner: Callable[[Any], Any] = attrgetter(owner) if owner else lambda message: message
+        self._owner = attrgetter(owner) if owner else None
+
+    @property
+    def least_size(self) -> int:
+        fixed = self._kind.length
+        return LENGTH.size if fixed is None else fixed * self.item_size
 
     def read(self, message: Any, reader: Reader) -> None:
-        setattr(self._owner(message), self._name, self.read_value(reader))
+        owner = message if self._owner is None else self._owner(message)
+        setattr(owner, self._name, self.read_value(reader))
 
     @abstractmethod
     def read_value(self, reader: Reader) -> Any:
@@ -166,6 +181,9 @@ class _Single(Part):
         elif length != fixed:
             raise ValueError(f"expected {fixed} items, found {length}")
 
+    def _read_length(self, reader: Reader) -> int:
+        return reader.length(self.item_size, self._kind.length)
+
 
 class _String(_Single):
     def __init__(self, path: str) -> None:
@@ -175,10 +193,12 @@ class _String(_Single):
         _write_string(self._get(message), chunks)
 
     def read_value(self, reader: Reader) -> str:
-        return _read_string(reader)
+        return reader.string()
 
 
 class _StringArray(_Single):
+    item_size = LENGTH.size
+
     def write(self, message: Any, chunks: List[bytes]) -> None:
         strings = self._get(message)
         self._write_length(len(strings), chunks)
@@ -186,7 +206,7 @@ class _StringArray(_Single):
             _write_string(string, chunks)
 
     def read_value(self, reader: Reader) -> List[str]:
-        return [_read_string(reader) for _ in range(reader.length(self._kind.length))]
+        return [reader.string() for _ in range(self._read_length(reader))]
 
 
 class _Bytes(_Single):
@@ -200,7 +220,7 @@ class _Bytes(_Single):
         chunks.append(bytes(value))
 
     def read_value(self, reader: Reader) -> bytes:
-        return reader.bytes(reader.length(self._kind.length))
+        return reader.bytes(self._read_length(reader))
 
 
 class _NumberArray(_Single):
@@ -208,6 +228,7 @@ class _NumberArray(_Single):
         super().__init__(path, kind)
         self._format = NUMBERS[kind.base]
         self._type = np.dtype("<" + self._format)
+        self.item_size = self._type.itemsize
 
     def write(self, message: Any, chunks: List[bytes]) -> None:
         values = self._get(message)
@@ -218,8 +239,8 @@ class _NumberArray(_Single):
             chunks.append(struct.pack(f"<{len(values)}{self._format}", *values))
 
     def read_value(self, reader: Reader) -> Tuple[Any, ...]:
-        length = reader.length(self._kind.length)
-        data = reader.bytes(length * self._type.itemsize)
+        length = self._read_length(reader)
+        data = reader.bytes(length * self.item_size)
         return struct.unpack(f"<{length}{self._format}", data)
 
 
@@ -233,6 +254,15 @@ class _MessageArray(_Single):
         self._form = form
         self._factory = factory
 
+    @property
+    def item_size(self) -> int:  # type: ignore[override]
+        return self._form().least_size
+
+    @cached_property
+    def _objects(self) -> int:
+        """The objects that an item is made of."""
+        return objects_in(self._factory(self._kind.base)())
+
     def write(self, message: Any, chunks: List[bytes]) -> None:
         items = self._get(message)
         self._write_length(len(items), chunks)
@@ -241,8 +271,10 @@ class _MessageArray(_Single):
             write(item, chunks)
 
     def read_value(self, reader: Reader) -> List[Any]:
+        length = self._read_length(reader)
+        reader.budget.take(length * self._objects)
         make, read = self._factory(self._kind.base), self._form().read
-        items = [make() for _ in range(reader.length(self._kind.length))]
+        items = [make() for _ in range(length)]
         for item in items:
             read(item, reader)
         return items
@@ -251,7 +283,10 @@ class _MessageArray(_Single):
         problem = super().problem(message)
         if problem is None:
             return None
-        items = getattr(self._owner(message), self._name, None)
+        try:
+            items = self._get(message)
+        except AttributeError:
+            return problem
         for index, item in enumerate(items if isinstance(items, (list, tuple)) else ()):
             try:
                 self._form().write(item, [])
@@ -264,10 +299,6 @@ def _write_string(string: str, chunks: List[bytes]) -> None:
     data = string.encode("utf-8", "surrogateescape")
     chunks.append(LENGTH.pack(len(data)))
     chunks.append(data)
-
-
-def _read_string(reader: Reader) -> str:
-    return reader.bytes(reader.length()).decode("utf-8", "surrogateescape")
 
 
 def _expected(message: Any, path: str, kind: str) -> str:

@@ -8,12 +8,12 @@ So a plugin that never imports a ROS package runs with ROS and without.
 """
 
 import importlib
-import importlib.util
 from functools import cached_property, lru_cache
 from pathlib import Path
 from threading import RLock
 from typing import Any, Callable, Dict, Iterator, List, Optional, Set, Tuple
 
+from flatland_server.config.packages import python_package_folders
 from flatland_server.exceptions import MessageError, shortened, suggestion
 from flatland_server.messages import times
 from flatland_server.messages.definition import (
@@ -26,7 +26,7 @@ from flatland_server.messages.definition import (
 from flatland_server.messages.field_forms import wire_form
 from flatland_server.messages.message import base_classes, make_class
 from flatland_server.messages.standard_definitions import standard_definitions
-from flatland_server.messages.wire_form import WireForm
+from flatland_server.messages.wire_form import Reader, WireForm
 
 _DEFINITIONS = Path(__file__).parent / "definitions"
 """Folders of .msg files, by package: those of flatland_msgs."""
@@ -54,7 +54,10 @@ class MessageTypes:
     @cached_property
     def _genpy(self) -> Any:
         """ROS's module, imported when it is needed: that takes 20 ms. None if there is no ROS."""
-        return _import("genpy") if self._use_ros else None
+        try:
+            return importlib.import_module("genpy") if self._use_ros else None
+        except ImportError:
+            return None
 
     @cached_property
     def Time(self) -> Callable[..., Any]:  # noqa: N802 (ROS's name)
@@ -124,9 +127,21 @@ class MessageTypes:
         """ROS's class; None if there is no ROS or its package is not there."""
         if self._genpy is None or name in self._added:
             return None
-        package, _, bare = name.partition("/")
-        cls = getattr(_import(f"{package}.msg"), bare, None)
-        return cls if getattr(cls, "_type", None) == name else None
+        return ros_class(name, "msg")
+
+    def wire_form_of(self, message_type: Any) -> WireForm:
+        """The wire form of a class, ROS's or ours.
+
+        Args:
+            message_type: the class, also of requests and responses of services.
+        """
+        name = message_type._type
+        with self._lock:
+            if name not in self._wire_forms:
+                for used, text in split_full_text(name, message_type._full_text):
+                    if used not in self._definitions:
+                        self._definitions[used] = Definition.parse(used, text)
+            return self._wire_form(name)
 
     def _make(self, name: str) -> Any:
         definition = self._definition(name)
@@ -222,28 +237,57 @@ def _standard() -> Dict[str, str]:
 
 def _folders(package: str) -> List[Path]:
     """The folders that may have .msg files of a package."""
-    folders = [_DEFINITIONS / package]
-    try:
-        spec = importlib.util.find_spec(package)
-    except (ImportError, ValueError):
-        spec = None
-    if spec is not None:
-        folders += [Path(path) / "msg" for path in spec.submodule_search_locations or ()]
-    return [folder for folder in folders if folder.is_dir()]
+    if not package.isidentifier():
+        return []
+    folders = [path / "msg" for path in python_package_folders(package, with_namespaces=True)]
+    return [folder for folder in (_DEFINITIONS / package, *folders) if folder.is_dir()]
 
 
-def _import(module: str) -> Any:
-    """A module, or None if there is none."""
+def ros_class(name: str, folder: str) -> Any:
+    """ROS's class of a message or service; None if there is none.
+
+    Clients name types. A package is only imported if genpy has made this type for it: importing
+    another could do anything.
+
+    Args:
+        name: of the type, such as "sensor_msgs/LaserScan".
+        folder: "msg" or "srv".
+    """
+    package, _, bare = name.partition("/")
+    file = Path(folder, f"_{bare}.py")
+    places = python_package_folders(package, with_namespaces=False) if bare.isidentifier() else []
+    if not any((place / file).is_file() for place in places):
+        return None
     try:
-        return importlib.import_module(module)
+        cls = getattr(importlib.import_module(f"{package}.{folder}"), bare, None)
     except ImportError:
         return None
+    return cls if getattr(cls, "_type", None) == name else None
 
 
 TYPES = MessageTypes()
 
 get = TYPES.get
 add = TYPES.add
+
+
+def deserialized(message_type: Any, data: bytes, errors: str = "surrogateescape") -> Any:
+    """A message of bytes from outside, which ROS's own classes would believe.
+
+    Args:
+        message_type: its class, ROS's or ours.
+        data: the serialized message.
+        errors: as for `Reader`.
+
+    Raises:
+        MessageError: the data is too short for what it says to have, or means too many messages.
+    """
+    message = message_type()
+    try:
+        TYPES.wire_form_of(message_type).read(message, Reader(data, errors))
+    except MessageError as error:
+        raise MessageError(f"{message_type._type}: {error}") from None
+    return message
 
 
 def restore(name: str, *values: Any) -> Any:

@@ -4,14 +4,13 @@ SpawnModel = service_types.get("flatland_msgs/SpawnModel")
 request = SpawnModel.request(yaml_path="robot.model.yaml", name="robot")
 """
 
-import importlib
 import re
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from flatland_server.exceptions import MessageError, shortened
-from flatland_server.messages.message_types import add
+from flatland_server.messages.message_types import add, ros_class
 
 _DEFINITIONS = Path(__file__).parent / "services"
 """Folders of .srv files, by package: those of flatland_msgs."""
@@ -51,9 +50,9 @@ def get(name: str) -> ServiceType:
         MessageError: there is no such type.
     """
     package, _, bare = name.partition("/")
-    ros_class = _ros_class(package, bare)
-    if ros_class is not None:
-        return ServiceType(name, ros_class._request_class, ros_class._response_class, ros_class)
+    cls = ros_class(name, "srv")
+    if cls is not None:
+        return ServiceType(name, cls._request_class, cls._response_class, cls)
     definition = _STANDARD.get(name)
     file = _DEFINITIONS / package / f"{bare}.srv"
     if definition is None and bare.isidentifier() and package.isidentifier() and file.is_file():
@@ -62,12 +61,3 @@ def get(name: str) -> ServiceType:
         raise MessageError(f'there is no service type "{shortened(name)}"')
     request, response = _SEPARATOR.split(definition, maxsplit=1)
     return ServiceType(name, add(f"{name}Request", request), add(f"{name}Response", response))
-
-
-def _ros_class(package: str, bare: str) -> Any:
-    """ROS's class; None if there is no ROS or its package is not there."""
-    try:
-        importlib.import_module("genpy")
-        return getattr(importlib.import_module(f"{package}.srv"), bare, None)
-    except (ImportError, ValueError):
-        return None

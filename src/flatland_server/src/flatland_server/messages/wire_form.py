@@ -6,10 +6,12 @@ fixed. A time is two uint32, a duration two int32. See https://wiki.ros.org/ROS/
 
 import struct
 from abc import ABC, abstractmethod
+from functools import cached_property
 from io import BytesIO
 from typing import Any, List, Optional, Sequence, Tuple
 
-from flatland_server.exceptions import MessageError
+from flatland_server.exceptions import MessageError, shortened
+from flatland_server.messages.object_budget import MOST_OBJECTS, ObjectBudget
 
 WRONG_VALUE = (struct.error, ArithmeticError, AttributeError, TypeError, ValueError)
 """The exceptions that wrong field values raise during serialization."""
@@ -19,11 +21,23 @@ LENGTH = struct.Struct("<I")
 
 
 class Reader:
-    """Takes values from serialized data."""
+    """Takes values from serialized data.
 
-    def __init__(self, data: bytes) -> None:
+    Args:
+        data: serialized.
+        errors: "strict" refuses strings that are not UTF-8, "surrogateescape" keeps their bytes.
+
+    Attributes:
+        budget: of the objects that are made of the data: one for 4 bytes, as many as fit into
+            messages of numbers, or `MOST_OBJECTS`.
+    """
+
+    def __init__(self, data: bytes, errors: str = "surrogateescape") -> None:
         self._data = data
+        self._size = len(data)
+        self._errors = errors
         self._offset = 0
+        self.budget = ObjectBudget(max(MOST_OBJECTS, self._size // 4))
 
     def bytes(self, length: int) -> bytes:
         """The next bytes.
@@ -32,24 +46,63 @@ class Reader:
             MessageError: there are fewer.
         """
         begin, end = self._offset, self._offset + length
-        if end > len(self._data):
-            raise MessageError(
-                f"expected {end} bytes or more of a serialized message, found {len(self._data)}"
-            )
+        if end > self._size:
+            raise self._error(end)
         self._offset = end
         return self._data[begin:end]
 
     def numbers(self, form: struct.Struct) -> Tuple[Any, ...]:
-        """The next numbers of a form."""
-        return form.unpack(self.bytes(form.size))
+        """The next numbers of a form.
 
-    def length(self, fixed: Optional[int] = None) -> int:
-        """The length of a string or an array; a fixed one is not in the data."""
-        return int(self.numbers(LENGTH)[0]) if fixed is None else fixed
+        Raises:
+            MessageError: there are fewer bytes.
+        """
+        begin, end = self._offset, self._offset + form.size
+        if end > self._size:
+            raise self._error(end)
+        self._offset = end
+        return form.unpack_from(self._data, begin)
+
+    def length(self, item_size: int, fixed: Optional[int] = None) -> int:
+        """The length of a string or an array; a fixed one is not in the data.
+
+        Args:
+            item_size: least number of bytes of an item.
+            fixed: length, if the type has one.
+
+        Raises:
+            MessageError: there are fewer bytes than so many items have.
+        """
+        length: int = self.numbers(LENGTH)[0] if fixed is None else fixed
+        if self._offset + length * item_size > self._size:
+            raise self._error(self._offset + length * item_size)
+        return length
+
+    def string(self) -> str:
+        """The next string.
+
+        Raises:
+            MessageError: there are fewer bytes than its length, or they are not UTF-8.
+        """
+        data = self.bytes(self.length(1))
+        try:
+            return data.decode("utf-8", self._errors)
+        except UnicodeDecodeError:
+            raise MessageError(f"expected UTF-8, found {shortened(repr(data))}") from None
+
+    def _error(self, end: int) -> MessageError:
+        return MessageError(
+            f"expected {end} bytes or more of a serialized message, found {self._size}"
+        )
 
 
 class Part(ABC):
     """Consecutive fields of a message, or one."""
+
+    @property
+    @abstractmethod
+    def least_size(self) -> int:
+        """Bytes of the serialized fields if strings are empty, and arrays of any length."""
 
     @abstractmethod
     def write(self, message: Any, chunks: List[bytes]) -> None:
@@ -69,6 +122,11 @@ class WireForm:
 
     def __init__(self, parts: Sequence[Part]) -> None:
         self._parts = parts
+
+    @cached_property
+    def least_size(self) -> int:
+        """Bytes of the shortest message."""
+        return sum(part.least_size for part in self._parts)
 
     def write(self, message: Any, chunks: List[bytes]) -> None:
         """Appends a message, in one or more pieces."""
