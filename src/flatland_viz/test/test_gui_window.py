@@ -375,7 +375,9 @@ def test_a_robot_is_driven_by_keys_and_stops_when_they_are_released(drive):
     with drive.held("Up"):
         assert drive.command() == (0.5, 0.0)
         drive.waiting(lambda: drive.ros.pose("turtlebot")[0] > x + 0.1, "the robot to move")
-        drive.screen.picture("window_drive")
+        pixels = drive.screen.picture("window_drive")
+        panels = pixels[:, drive.screen.view(pixels)[1].stop :]
+        assert near(panels, FIRST_ROBOT, 10).sum() > 20  # in the list of models
     drive.wait_for_rest()
     with drive.held("a"):  # elsewhere the key of Spawn Model
         assert drive.command() == (0.0, 1.0)

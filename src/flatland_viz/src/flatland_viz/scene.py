@@ -20,7 +20,7 @@ BACKGROUNDS = {"light": ("#eeeeec", 0.3), "dark": ("#121316", 0.15)}
 """Background colour and opacity of the grid, by name; grey walls stand out on both."""
 _LOOKS: Dict[str, Dict[str, Any]] = {
     PLAN: {"Line Style": "Billboards", "Line Width": 0.1, "Color": QColor("#009e73")},
-    GOAL: {"Shaft Length": 0.6, "Shaft Radius": 0.08, "Head Length": 0.4, "Head Radius": 0.2},
+    GOAL: {"Shaft Length": 0.6, "Shaft Radius": 0.08, "Head Length": 0.5, "Head Radius": 0.3},
 }
 """Properties of rviz's own displays, by their classes."""
 _VIEW = ("X", "Y", "Scale", "Angle")
