@@ -18,7 +18,8 @@ COLORED = (GOAL, PLAN, SCAN)
 FOOTPRINTS = "models"
 """The name of the display with the models' bodies."""
 SCAN_TYPE = "sensor_msgs/LaserScan"
-_SIMPLE_GOAL = "/move_base_simple/goal"
+_KINDS = {SCAN_TYPE: SCAN, "nav_msgs/Path": PLAN, "geometry_msgs/PoseStamped": GOAL}
+_GOAL, _SIMPLE_GOAL = "/move_base/current_goal", "/move_base_simple/goal"
 
 
 class Shown(NamedTuple):
@@ -38,20 +39,18 @@ def of_topics(published: Iterable[Tuple[str, str]]) -> List[Shown]:
     Args:
         published: pairs of a topic and its type.
     """
-    topics = sorted(published, key=lambda each: natural_key(each[0]))
-    poses = [topic for topic, kind in topics if kind == "geometry_msgs/PoseStamped"]
-    goals = [topic for topic in poses if topic.endswith("/current_goal")]
-    simple = [topic for topic in poses if topic.endswith(_SIMPLE_GOAL)]
-    goals += [
-        topic
-        for topic in simple
-        if not any(goal.startswith(f"{topic[: -len(_SIMPLE_GOAL)]}/move_base/") for goal in goals)
+    displays = [
+        Shown(topic.lstrip("/"), _KINDS[kind], topic) for topic, kind in published if kind in _KINDS
     ]
-    kinds = {SCAN_TYPE: SCAN, "nav_msgs/Path": PLAN}
-    return [
-        *(Shown(topic.lstrip("/"), kinds[kind], topic) for topic, kind in topics if kind in kinds),
-        *(Shown(topic.lstrip("/"), GOAL, topic) for topic in goals),
-    ]
+    goals = {display.topic for display in displays if display.topic.endswith(_GOAL)}
+
+    def is_wanted(kind: str, topic: str) -> bool:
+        if kind != GOAL or not topic.endswith(_SIMPLE_GOAL):
+            return kind != GOAL or topic in goals
+        return f"{topic[: -len(_SIMPLE_GOAL)]}{_GOAL}" not in goals
+
+    wanted = [display for display in displays if is_wanted(display.kind, display.topic)]
+    return sorted(wanted, key=lambda display: natural_key(display.topic))
 
 
 def walls_topic(debug: str) -> str:

@@ -8,7 +8,7 @@ import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from flatland_msgs.msg import RecentLog
-from python_qt_binding.QtCore import QObject, Signal
+from python_qt_binding.QtCore import QObject, QTimer, Signal
 from rosgraph_msgs.msg import Log
 from tf2_msgs.msg import TFMessage
 
@@ -50,11 +50,14 @@ class ProblemSources(QObject):
         )
 
     def start(self) -> None:
-        """Subscribes. Connect the signals before, or in the same event of Qt's loop."""
-        rospy.Subscriber(f"{self._server}/recent_log", RecentLog, self._on_log, queue_size=1)
-        rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=10)
+        """Begins. Connect the signals before, or in the same event of Qt's loop."""
+        QTimer.singleShot(0, self._subscribe)  # a signal that is not connected yet is lost
         self._warnings.start()
         threading.Thread(target=self._watch_frames, name="frames", daemon=True).start()
+
+    def _subscribe(self) -> None:
+        rospy.Subscriber(f"{self._server}/recent_log", RecentLog, self._on_log, queue_size=1)
+        rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=10)
 
     def close(self) -> None:
         """Ends the thread. No signal is emitted after this; rospy unsubscribes as it shuts down."""
@@ -78,9 +81,7 @@ class ProblemSources(QObject):
     def _last(self, source: str, warnings: Iterable[str]) -> None:
         """Reports all warnings that a source has now."""
         now = rospy.get_time()
-        self._emit(
-            self.lasts, source, [Problem(source, text, False, 1, now) for text in warnings]
-        )
+        self._emit(self.lasts, source, [Problem(source, text, False, 1, now) for text in warnings])
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         """Each message has all states of its node. Their names begin with the node's."""

@@ -49,11 +49,11 @@ def test_scans_plans_and_goals_are_found_among_all_topics_in_natural_order():
     ]
 
     assert [(one.kind.partition("/")[2], one.topic) for one in of_topics(published)] == [
+        ("Pose", "/r2/move_base/current_goal"),
         ("Path", "/r2/move_base/plan"),
         ("Scan", "/r2/scan"),
-        ("Scan", "/r10/scan"),
-        ("Pose", "/r2/move_base/current_goal"),
         ("Pose", "/r10/move_base_simple/goal"),
+        ("Scan", "/r10/scan"),
     ]
 
 

@@ -212,7 +212,9 @@ class WorldFileText:
         spans = [self._span(item, begin) for item in items]
         first = items.index(kept[0])
         self._changes.append((spans[0][0], spans[first][0], ""))
-        for item, (_, before), (_, last) in zip(items[first + 1 :], spans[first:], spans[first + 1 :]):
+        for item, (_, before), (_, last) in zip(
+            items[first + 1 :], spans[first:], spans[first + 1 :]
+        ):
             if item not in kept:
                 self._changes.append((before, last, ""))
         last = spans[-1][1]

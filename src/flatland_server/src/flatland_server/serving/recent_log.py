@@ -1,7 +1,7 @@
 """~recent_log: the server's last warnings and errors, for windows that open later.
 
-`/rosout` has no history. Equal messages are one entry, with their number. An entry goes when a world
-is read again without it, or when the model that it names is gone.
+`/rosout` has no history. Equal messages are one entry, with their number. An entry goes when a
+world is read again without it, or when the model that it names is gone.
 """
 
 import logging
@@ -30,7 +30,7 @@ class _Entry(NamedTuple):
     time: float  # s of time.monotonic
     stamp: int  # simulated time [ns]
     level: int
-    count: int
+    times: int
 
 
 class RecentLog(logging.Handler):
@@ -61,8 +61,8 @@ class RecentLog(logging.Handler):
         level = _LEVELS.get(record.levelno, _FATAL)
         with self._entries_lock:
             former = self._entries.pop(text, None)
-            count = former.count + 1 if former is not None else 1
-            self._entries[text] = _Entry(time.monotonic(), stamp, level, count)
+            times = former.times + 1 if former is not None else 1
+            self._entries[text] = _Entry(time.monotonic(), stamp, level, times)
             if len(self._entries) > _MOST:
                 del self._entries[next(iter(self._entries))]
             self._has_changed = True
@@ -97,7 +97,7 @@ class RecentLog(logging.Handler):
             self._publisher.publish(
                 RecentLogMsg(
                     [
-                        LogEntry(ros_time(entry.stamp), entry.level, text, entry.count)
+                        LogEntry(ros_time(entry.stamp), entry.level, text, entry.times)
                         for text, entry in entries
                     ]
                 )
