@@ -105,9 +105,10 @@ class RecentLog(logging.Handler):
 
     def _forget(self, gone: Set[str]) -> None:
         """Forgets messages of before the world's files were read, and those that name a model."""
-        names = [re.compile(rf"(?<!\w){re.escape(name)}(?!\w)") for name in gone]
+        names = [name.split("/") for name in gone]
         with self._entries_lock:
             for text, entry in list(self._entries.items()):
-                if entry.time < self._read_at or any(name.search(text) for name in names):
+                words = {*re.findall(r"\w+", text)}
+                if entry.time < self._read_at or any(words.issuperset(name) for name in names):
                     del self._entries[text]
                     self._has_changed = True
