@@ -99,7 +99,8 @@ class Window(QMainWindow):
             self.tabifyDockWidget(self._workbench.panel, self._drive)
         else:
             self.splitDockWidget(self._workbench.panel, self._drive, Qt.Vertical)
-        self._drive.visibilityChanged.connect(self._make_room_to_drive)
+        self._drive.toggleViewAction().triggered.connect(self._make_room_to_drive)
+        self.selection.drive_asked.connect(lambda _: self._make_room_to_drive(True))
         self._saving = WorldSaving(self, server, self._menus, self._workbench)
         self._toolbar = Toolbar(scene.toolbar, scene.tools)
         self._toolbar.add(self._menus.step, "step", "Step")
