@@ -56,9 +56,13 @@ class Looks:
     def has_background(self, name):
         """True if the view has the background, and walls that stand out on it."""
         pixels = self.screen.picture(name)
-        is_seen = near(pixels, self.background.background, 2).mean() > 0.15
-        dims = not self.background.is_dark or near(pixels, DIMMED, 4).sum() > 50
-        return is_seen and dims and near(pixels, self.background.walls, 5).sum() > 300
+        is_seen = near(pixels, self.background.background, 2)
+        ys, xs = is_seen.nonzero()
+        if is_seen.mean() <= 0.15:
+            return False
+        view = pixels[ys.min() : ys.max(), xs.min() : xs.max()]
+        dims = not self.background.is_dark or near(view, DIMMED, 4).sum() > 50
+        return dims and near(view, self.background.walls, 5).sum() > 300
 
     def has_problem(self, name):
         """True if the status line has the badge of warnings."""
