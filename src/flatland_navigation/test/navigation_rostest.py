@@ -54,6 +54,7 @@ class Navigation(unittest.TestCase):
     def test_rvizs_goal_is_reached_and_shows_its_path(self):
         results = Recorder("/move_base/result", MoveBaseActionResult)
         plans = Recorder("/move_base/plan", Path)
+        shown = Recorder("/move_base/current_goal", PoseStamped)
         goals = rospy.Publisher("/move_base_simple/goal", PoseStamped, queue_size=1, latch=True)
         self.addCleanup(goals.unregister)
 
@@ -64,6 +65,7 @@ class Navigation(unittest.TestCase):
         paths = [plan for plan in plans.messages if plan.poses]
         end = paths[-1].poses[-1].pose.position
         self.assertEqual((paths[-1].header.frame_id, end.x, end.y), ("map", 1.0, -0.5))
+        self.assertEqual(shown.messages[-1].pose, target(1.0, -0.5, 3.14).pose)
 
     def test_goals_are_refused_with_a_reason(self):
         for pose, frame, reason in (

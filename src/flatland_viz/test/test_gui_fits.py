@@ -9,7 +9,18 @@ from screens import ScreenKind
 
 pytestmark = pytest.mark.slow
 
-ROOM = Path(__file__).resolve().parents[2] / "flatland_server/worlds/test_room/world.yaml"
+WORLDS = Path(__file__).resolve().parents[2] / "flatland_server" / "worlds"
+WORLD = f"""properties: {{}}
+layers:
+  - {{name: room, map: {WORLDS}/test_room/room.yaml, color: [0.4, 0.4, 0.4, 1]}}
+  - {{name: white, map: white.yaml}}
+models:
+  - {{name: turtlebot, pose: [0, 0, 0], model: {WORLDS}/office/turtlebot.model.yaml}}
+"""
+WHITE = "{type: line_segments, data: white.dat, scale: 1, origin: [0, 0, 0]}"
+DIMMED = (172, 172, 172)
+"""White walls in the dark look."""
+AMBER = (240, 196, 25)
 TITLE = "Flatland - test_room/world.yaml"
 KNOB = (60, 130, 196)
 SELECTED = (70, 76, 84)
@@ -17,9 +28,13 @@ SMALL = (1024, 660)  # pixels: at double size as few as a phone's
 
 
 @pytest.fixture(scope="module")
-def open_window(ros, screen):
+def open_window(ros, screen, tmp_path_factory):
     """Opens the window beside a running server."""
-    ros.start_server(ROOM)
+    world = tmp_path_factory.mktemp("worlds") / "test_room" / "world.yaml"
+    world.parent.mkdir()
+    for name, text in (("white.yaml", WHITE), ("white.dat", "-4 2 -2 2\n"), (world.name, WORLD)):
+        (world.parent / name).write_text(text)
+    ros.start_server(world)
 
     def start():
         return ros.start_window(), screen.wait_for_window(TITLE)
@@ -41,8 +56,17 @@ class Looks:
     def has_background(self, name):
         """True if the view has the background, and walls that stand out on it."""
         pixels = self.screen.picture(name)
-        is_seen = near(pixels, self.background.background, 2).mean() > 0.15
-        return is_seen and near(pixels, self.background.walls, 5).sum() > 300
+        is_seen = near(pixels, self.background.background, 2)
+        ys, xs = is_seen.nonzero()
+        if is_seen.mean() <= 0.15:
+            return False
+        view = pixels[ys.min() : ys.max(), xs.min() : xs.max()]
+        dims = not self.background.is_dark or near(view, DIMMED, 4).sum() > 50
+        return dims and near(view, self.background.walls, 5).sum() > 300
+
+    def has_problem(self, name):
+        """True if the status line has the badge of warnings."""
+        return near(self.screen.picture(name), AMBER, 5).sum() > 300
 
     def panel(self, name):
         """A screenshot of the area to the right of the view, and its left edge."""
@@ -75,7 +99,7 @@ class Looks:
         return near(self.panel(name)[0], KNOB, 2).sum() > 300
 
 
-def test_the_window_fits_and_remembers(open_window, screen, waiting):
+def test_the_window_fits_and_remembers(open_window, ros, screen, waiting):
     program, window = open_window()
     kind = screen.kind
     looks = Looks(screen, kind)
@@ -114,8 +138,12 @@ def test_the_window_fits_and_remembers(open_window, screen, waiting):
     screen.wait_until_closed(TITLE)
     assert program.wait(60) == 0
 
-    # The server goes on, and the next window has the last one's panels and background.
+    # The server goes on, and the next window has the last one's panels and background, and what
+    # the server has warned of meanwhile.
+    assert not looks.has_problem("fits_again")
+    ros.call("/delete_model", name="nothing")
     program, window = open_window()
+    waiting(lambda: looks.has_problem("fits_again"), "the badge", 30)
     waiting(lambda: looks.has_background("fits_again"), "the same background", 30)
     waiting(lambda: looks.has_pad("fits_again"), "the pad to drive")
     left, top, right, bottom = screen.inside(window)

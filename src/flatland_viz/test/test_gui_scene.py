@@ -23,11 +23,19 @@ models:
 GOALS = """
 import rospy
 from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Path
 rospy.init_node("goals", disable_rostime=True)
+def note(goal, robot):
+    print(robot, "goes to", goal.pose.position, flush=True)
+    plan = Path(header=goal.header, poses=[PoseStamped(), PoseStamped()])
+    plan.poses[0].pose.position.x, plan.poses[1].pose.position.x = -1.0, 1.0
+    for pose in plan.poses:
+        pose.pose.position.y, pose.pose.orientation.w = 1.0, 1.0
+    plans[robot].publish(plan)
+plans = {}
 for robot in ("/r2", "/r10"):
-    topic = robot + "/move_base_simple/goal"
-    note = lambda goal, robot: print(robot, "goes to", goal.pose.position, flush=True)
-    rospy.Subscriber(topic, PoseStamped, note, robot)
+    plans[robot] = rospy.Publisher(robot + "/move_base/plan", Path, queue_size=1, latch=True)
+    rospy.Subscriber(robot + "/move_base_simple/goal", PoseStamped, note, robot)
 rospy.spin()
 """
 
@@ -161,8 +169,14 @@ def test_goals_go_to_the_selected_robot(window):
         window.drag(window.map.pixel(1.0, 0.0), window.map.pixel(2.0, 0.0))
         goal = f"/{robot} goes to x: "
         window.waiting(lambda goal=goal: goal in window.ros.log(subscriber), "its goal")
+    # The last plan and goal are drawn in the colour of their robot.
+    plan, arrow = window.map.around(0.0, 1.0, 0.2), window.map.around(1.3, 0.0, 0.4)
+    drawn = lambda place: near(window.picture("goal")[place], FIRST_ROBOT, 60).sum()  # noqa: E731
+    for place in (plan, arrow):
+        window.waiting(lambda place=place: drawn(place) > 20, "the plan and the goal")
     window.click(4.0, 0.5)
     window.ros.end(subscriber)
+    window.waiting(lambda: drawn(plan) == 0, "the plan to go")
     window.waiting(lambda: (toolbar() == before).all(), "the tool to go")
 
 

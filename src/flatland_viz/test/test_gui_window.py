@@ -18,6 +18,7 @@ pytestmark = pytest.mark.slow
 
 BOX = WORLDS / "office" / "box.model.yaml"
 BOX_COLOR, ROBOT_COLOR = (194, 145, 87), (51, 128, 204)
+SELECTED = (70, 76, 84)
 TITLE = "Flatland.*"
 
 
@@ -400,7 +401,10 @@ def test_a_robot_is_driven_by_keys_and_stops_when_they_are_released(drive):
     with drive.held("Up"):
         assert drive.command() == (0.5, 0.0)
         drive.waiting(lambda: drive.ros.pose("turtlebot")[0] > x + 0.1, "the robot to move")
-        drive.screen.picture("window_drive")
+        pixels = drive.screen.picture("window_drive")
+        panels = pixels[:, drive.screen.view(pixels)[1].stop :]
+        # The list of models has the robot, by its dot, or its row if it is selected.
+        assert near(panels, FIRST_ROBOT, 10).sum() > 20 or near(panels, SELECTED, 2).sum() > 1000
     drive.wait_for_rest()
     with drive.held("a"):  # elsewhere the key of Spawn Model
         assert drive.command() == (0.0, 1.0)

@@ -58,6 +58,9 @@ class NavigatorNode:
         self._published_path: Optional[FloatArray] = None
         self._commands = rospy.Publisher("cmd_vel", Twist, queue_size=1)
         self._plans = rospy.Publisher("~plan", Path, queue_size=1, latch=True)
+        self._current_goals = rospy.Publisher(
+            "~current_goal", PoseStamped, queue_size=1, latch=True
+        )
         self._goals = rospy.Publisher(f"{_ACTION}/goal", MoveBaseActionGoal, queue_size=1)
         self._server = _start_server()
         self._simple_goals = rospy.Subscriber(
@@ -134,6 +137,8 @@ class NavigatorNode:
                         f'expected a goal in the frame "{self._map_frame}", found "{frame}"'
                     )
                 self._navigator.set_goal(to_pose(target.pose))
+                target.header.frame_id = self._map_frame
+                self._current_goals.publish(target)
             except ValueError as error:
                 self._navigator.cancel()
                 self._abort(str(error))

@@ -3,17 +3,23 @@
 Pure functions of the topics that the ROS master lists.
 """
 
-from typing import Iterable, List, NamedTuple, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Tuple
 
 from flatland_teleop.natural_order import natural_key
 
 BODIES = "flatland_viz/Bodies"
+GOAL = "rviz/Pose"
+PLAN = "rviz/Path"
 SCAN = "flatland_viz/Scan"
 WALLS = "flatland_viz/Walls"
 
+COLORED = (GOAL, PLAN, SCAN)
+"""Displays with the colour of a robot."""
 FOOTPRINTS = "models"
 """The name of the display with the models' bodies."""
 SCAN_TYPE = "sensor_msgs/LaserScan"
+_KINDS = {SCAN_TYPE: SCAN, "nav_msgs/Path": PLAN, "geometry_msgs/PoseStamped": GOAL}
+_GOAL, _SIMPLE_GOAL = "/move_base/current_goal", "/move_base_simple/goal"
 
 
 class Shown(NamedTuple):
@@ -24,9 +30,27 @@ class Shown(NamedTuple):
     topic: str
 
 
-def laser_scans(published: Iterable[Tuple[str, str]]) -> List[str]:
-    """The topics with laser scans, in natural order, of pairs of a topic and its type."""
-    return sorted((topic for topic, kind in published if kind == SCAN_TYPE), key=natural_key)
+def of_topics(published: Iterable[Tuple[str, str]]) -> List[Shown]:
+    """The displays of laser scans, plans and goals, in natural order.
+
+    Goals are those of move_base's topic `current_goal`. Those of `move_base_simple/goal` are shown
+    where nothing publishes that.
+
+    Args:
+        published: pairs of a topic and its type.
+    """
+    displays = [
+        Shown(topic.lstrip("/"), _KINDS[kind], topic) for topic, kind in published if kind in _KINDS
+    ]
+    goals = {display.topic for display in displays if display.topic.endswith(_GOAL)}
+
+    def is_wanted(kind: str, topic: str) -> bool:
+        if kind != GOAL or not topic.endswith(_SIMPLE_GOAL):
+            return kind != GOAL or topic in goals
+        return f"{topic[: -len(_SIMPLE_GOAL)]}{_GOAL}" not in goals
+
+    wanted = [display for display in displays if is_wanted(display.kind, display.topic)]
+    return sorted(wanted, key=lambda display: natural_key(display.topic))
 
 
 def walls_topic(debug: str) -> str:
@@ -38,7 +62,7 @@ def walls_topic(debug: str) -> str:
     return f"{debug}/walls"
 
 
-def wanted(debug: str, scans: Iterable[str]) -> List[Shown]:
+def wanted(debug: str, others: Iterable[Shown]) -> List[Shown]:
     """All displays of a world.
 
     All layers share one display, since several topics of `~debug/topics` show the same walls. All
@@ -46,13 +70,25 @@ def wanted(debug: str, scans: Iterable[str]) -> List[Shown]:
 
     Args:
         debug: the namespace of the server's markers, `/flatland_server/debug`.
-        scans: topics of laser scans.
+        others: those of topics of robots.
     """
     return [
         Shown("layers", WALLS, walls_topic(debug)),
         Shown(FOOTPRINTS, BODIES, f"{debug}/models"),
-        *(Shown(topic.lstrip("/"), SCAN, topic) for topic in scans),
+        *others,
     ]
+
+
+def color_of(topic: str, colors: Dict[str, str]) -> str:
+    """The colour of a topic, or of the next namespace above it that has one; else empty.
+
+    Args:
+        topic: its absolute name.
+        colors: of topics and namespaces; that of the root is the empty string.
+    """
+    while topic and topic not in colors:
+        topic = topic.rpartition("/")[0]
+    return colors.get(topic, "")
 
 
 def changes(shown: Iterable[Shown], wanted: Iterable[Shown]) -> Tuple[List[Shown], List[Shown]]:

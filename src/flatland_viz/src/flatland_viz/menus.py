@@ -100,7 +100,7 @@ class Menus(QObject):
         self.reset = self._action(
             menu, "Re&set", "action_reset", self.world_reset_asked.emit, "Ctrl+R"
         )
-        self.reset.setToolTip("Start again: the world as it was loaded, at time 0 (Ctrl+R)")
+        self.reset.setToolTip("Start again: the world as it was loaded; time goes on (Ctrl+R)")
         self._with_server = [opens, self._recent, reload, self.reset]
         menu.addSeparator()
         self.save = self._action(menu, "Sa&ve", "action_save", self.save_asked.emit, "Ctrl+S")

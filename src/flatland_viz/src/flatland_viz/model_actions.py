@@ -82,8 +82,12 @@ class ModelActions(QObject):
 
     @property
     def has_edited(self) -> bool:
-        """True if there is something to undo."""
-        return bool(self._undo.text)
+        """True if models have been changed in this window since they were saved."""
+        return not self._undo.is_saved
+
+    def note_saved(self) -> None:
+        """Notes that all changes are in the world's file, or are gone."""
+        self._undo.note_saved()
 
     @property
     def all(self) -> Tuple[QAction, ...]:

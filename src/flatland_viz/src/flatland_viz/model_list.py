@@ -66,14 +66,20 @@ def _model(info: Any) -> Model:
     )
 
 
-def scan_owners(models: Dict[str, Model]) -> Dict[str, str]:
-    """The models that publish laser scans, by their topics."""
-    return {
+def topic_owners(models: Dict[str, Model]) -> Dict[str, str]:
+    """The models that publish laser scans, and robots, by their topics and by namespaces."""
+    robots = {
+        model.command_topic.rpartition("/")[0]: model.name
+        for model in models.values()
+        if model.command_topic
+    }
+    scans = {
         topic.name: model.name
         for model in models.values()
         for topic in model.topics
         if topic.is_published and topic.type == SCAN_TYPE
     }
+    return {**robots, **scans}
 
 
 def free_name(wanted: str, taken: Iterable[str]) -> str:

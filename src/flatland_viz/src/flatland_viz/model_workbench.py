@@ -7,10 +7,10 @@ import rospy
 from python_qt_binding.QtCore import QObject, Qt
 from python_qt_binding.QtWidgets import QMainWindow, QMenu
 
-from flatland_viz.displays import FOOTPRINTS, SCAN
+from flatland_viz.displays import FOOTPRINTS, GOAL, PLAN, SCAN
 from flatland_viz.interaction import Interaction
 from flatland_viz.model_actions import ModelActions
-from flatland_viz.model_list import Model, scan_owners
+from flatland_viz.model_list import Model, topic_owners
 from flatland_viz.model_panel import ModelPanel
 from flatland_viz.scene import Scene
 from flatland_viz.selection import Selection
@@ -72,8 +72,9 @@ class ModelWorkbench(QObject):
                 "labels": display.subProp("Labels").setValue,
                 "headings": display.subProp("Headings").setValue,
                 "handles": self._interaction.handles.setValue,
-                "scans": lambda on: self._scene.show_kind(SCAN, on),
-                "footprints": lambda on: self._scene.show_kind(FOOTPRINTS, on),
+                "scans": lambda on: self._scene.show_kinds(on, SCAN),
+                "plans": lambda on: self._scene.show_kinds(on, PLAN, GOAL),
+                "footprints": lambda on: self._scene.show_kinds(on, FOOTPRINTS),
             },
         )
         states = rospy.resolve_name("flatland_server/model_states")
@@ -82,8 +83,12 @@ class ModelWorkbench(QObject):
 
     @property
     def has_edited(self) -> bool:
-        """True if models have been changed in this window."""
+        """True if models have been changed in this window since they were saved."""
         return self._actions.has_edited
+
+    def note_saved(self) -> None:
+        """Notes that all changes are in the world's file, or are gone."""
+        self._actions.note_saved()
 
     def forget(self) -> None:
         """Clears the undo stack: the world has begun again."""
@@ -100,11 +105,11 @@ class ModelWorkbench(QObject):
         self.panel.set_time(simulation.time)
 
     def _show_colors(self) -> None:
-        """Gives robots' scans and the list their colours."""
+        """Gives robots' scans, plans and goals, and the list, their colours."""
         text = self._colors.getValue()
         colors: Dict[str, str] = json.loads(text) if text else {}
         self.panel.set_colors(colors)
-        owners = scan_owners(self._models)
-        self._scene.set_scan_colors(
+        owners = topic_owners(self._models)
+        self._scene.set_colors(
             {topic: colors[name] for topic, name in owners.items() if name in colors}
         )

@@ -1,7 +1,6 @@
 """The badge in the status line that counts problems, and the list that it opens."""
 
-import re
-from typing import Iterable, List, Optional, Set
+from typing import List, Optional
 
 from python_qt_binding.QtCore import Qt, Signal
 from python_qt_binding.QtGui import QColor, QPalette
@@ -45,7 +44,6 @@ class ProblemBadge(QToolButton):
         self.setObjectName("problems")
         self.setToolTip("What the server, /diagnostics and transforms warn of. Click to read it.")
         self._problems = Problems()
-        self._models: Set[str] = set()
         self._list: Optional[ProblemList] = None
         line.insertPermanentWidget(1, self)  # behind the hint
         self.clicked.connect(self._open)
@@ -62,22 +60,15 @@ class ProblemBadge(QToolButton):
         self._problems.end(source, text)
         self._show_count()
 
-    def _report(self, group: str, states: object, time: float) -> None:
+    def _report(self, group: str, problems: List[Problem]) -> None:
         before = self._problems.latest_first
-        self._problems.report(group, states, time)  # type: ignore[arg-type]
+        self._problems.report(group, problems)
         if self._problems.latest_first != before:
             self._show_count()
 
     def forget_events(self) -> None:
         """Forgets what was reported once: the world was loaded anew."""
         self._problems.forget_events()
-        self._show_count()
-
-    def set_models(self, models: Iterable[str]) -> None:
-        """Sets the names of the models in the world; forgets events about those that are gone."""
-        before, self._models = self._models, set(models)
-        for name in before - self._models:
-            self._problems.forget_events(re.compile(rf"(?<!\w){re.escape(name)}(?!\w)"))
         self._show_count()
 
     def clear(self) -> None:

@@ -2,11 +2,12 @@
 
 import threading
 import xmlrpc.client
-from typing import Any, Dict, Set, Tuple
+from typing import Any, Dict, Iterable, Set, Tuple
 
 import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from flatland_msgs.msg import RecentLog
 from python_qt_binding.QtCore import QObject, QTimer, Signal
 from rosgraph_msgs.msg import Log
 from tf2_msgs.msg import TFMessage
@@ -14,7 +15,7 @@ from tf2_msgs.msg import TFMessage
 from flatland_viz.drive_robots import robots_of
 from flatland_viz.model_list import Model
 from flatland_viz.own_errors import OwnErrors
-from flatland_viz.problems import frames_published_twice, shared_commands
+from flatland_viz.problems import Problem, frames_published_twice, shared_commands
 from flatland_viz.transform_warnings import TransformWarnings
 
 _SERVER = "flatland_server"
@@ -30,20 +31,18 @@ _TRANSFORM_SOURCE = "transforms"
 
 
 class ProblemSources(QObject):
-    """Reports problems by signals, from `start` until `close`.
-
-    The log is not latched: start this before the server loads a world, to see its messages.
-    """
+    """Reports problems by signals, from `start` until `close`."""
 
     logged = Signal(str, str, bool, float, int)
     """An event: source, text, whether it is an error, its simulated time [s], and how often."""
     ended = Signal(str, str)
     """Events with this source and text come no more."""
-    lasts = Signal(str, object, float)
-    """The states of a group, as `Problems.report` takes them."""
+    lasts = Signal(str, object)
+    """The problems of a group, as `Problems.report` takes them."""
 
     def __init__(self) -> None:
         super().__init__()
+        self._server = rospy.resolve_name(_SERVER)
         self._closed = threading.Event()
         self._groups: Dict[str, str] = {}  # of diagnostics, by their nodes
         self._errors = OwnErrors()
@@ -56,13 +55,16 @@ class ProblemSources(QObject):
         )
 
     def start(self) -> None:
-        """Subscribes. Connect the signals before, or in the same event of Qt's loop."""
+        """Begins. Connect the signals before, or in the same event of Qt's loop."""
         self._errors.start()
         self._timer.start(_ERRORS_PERIOD)
-        rospy.Subscriber("/rosout", Log, self._on_log, queue_size=100)
-        rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=10)
+        QTimer.singleShot(0, self._subscribe)  # a signal that is not connected yet is lost
         self._warnings.start()
         threading.Thread(target=self._watch_frames, name="frames", daemon=True).start()
+
+    def _subscribe(self) -> None:
+        rospy.Subscriber(f"{self._server}/recent_log", RecentLog, self._on_log, queue_size=1)
+        rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=10)
 
     def close(self) -> None:
         """Ends the thread. No signal is emitted after this; rospy unsubscribes as it shuts down."""
@@ -72,28 +74,37 @@ class ProblemSources(QObject):
         for text, times in self._errors.take():
             self._emit(self.logged, rospy.get_name(), text, True, rospy.get_time(), times)
 
-    def _on_log(self, message: Log) -> None:
-        is_warning = message.name == rospy.resolve_name(_SERVER) and message.level >= Log.WARN
-        if is_warning and not any(text in message.msg for text in _LEFT_OUT):
-            stamp = message.header.stamp.to_sec()
-            self._emit(self.logged, message.name, message.msg, message.level >= Log.ERROR, stamp, 1)
+    def _on_log(self, message: RecentLog) -> None:
+        problems = [
+            Problem(
+                self._server, entry.msg, entry.level >= Log.ERROR, entry.count, entry.stamp.to_sec()
+            )
+            for entry in message.entries
+            if not any(text in entry.msg for text in _LEFT_OUT)
+        ]
+        self._emit(self.lasts, "log", problems)
 
     def check_models(self, models: Dict[str, Model]) -> None:
         """Reports robots that share a topic of commands."""
         robots = robots_of(models.values())
-        states = [("models", text, False) for text in shared_commands(robots)]
-        self._emit(self.lasts, "models", states, rospy.get_time())
+        self._last("models", shared_commands(robots))
+
+    def _last(self, source: str, warnings: Iterable[str]) -> None:
+        """Reports all warnings that a source has now."""
+        now = rospy.get_time()
+        self._emit(self.lasts, source, [Problem(source, text, False, 1, now) for text in warnings])
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         """Each message has all states of its node. Their names begin with the node's."""
-        states = [
-            (status.name, status.message, status.level >= DiagnosticStatus.ERROR)
+        time = message.header.stamp.to_sec()
+        problems = [
+            Problem(status.name, status.message, status.level >= DiagnosticStatus.ERROR, 1, time)
             for status in message.status
             if status.level > DiagnosticStatus.OK
         ]
         node = message._connection_header["callerid"]
         self._groups[node] = f"/diagnostics of {node}"
-        self._emit(self.lasts, self._groups[node], states, message.header.stamp.to_sec())
+        self._emit(self.lasts, self._groups[node], problems)
 
     def _end_diagnostics(self, nodes: Set[str]) -> None:
         """Ends the states of nodes that have ended.
@@ -102,7 +113,7 @@ class ProblemSources(QObject):
             nodes: those that publish diagnostics now.
         """
         for node in self._groups.keys() - nodes:
-            self._emit(self.lasts, self._groups.pop(node), [], rospy.get_time())
+            self._emit(self.lasts, self._groups.pop(node), [])
 
     def _watch_frames(self) -> None:
         """Asks the master periodically for nodes; samples transforms if several publish some."""
@@ -117,8 +128,7 @@ class ProblemSources(QObject):
             self._end_diagnostics(set(dict(published).get("/diagnostics", ())))
             nodes = {node for topic, names in published if topic in _TRANSFORMS for node in names}
             seen = self._sample_frames() if len(nodes) > 1 else set()
-            states = [(_TRANSFORM_SOURCE, text, False) for text in frames_published_twice(seen)]
-            self._emit(self.lasts, "frames", states, rospy.get_time())
+            self._last(_TRANSFORM_SOURCE, frames_published_twice(seen))
 
     def _sample_frames(self) -> Set[Tuple[str, str, str]]:
         """Parent, child and node of the transforms published within `_SAMPLE_TIME`."""

@@ -1,6 +1,6 @@
 """The problems reported to the window, each once, with a count."""
 
-from typing import Dict, Iterable, List, NamedTuple, Optional, Pattern, Sequence, Set, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Sequence, Set, Tuple
 
 from flatland_viz.drive_robots import Robot
 
@@ -22,14 +22,15 @@ Key = Tuple[str, str]  # source and text
 
 
 class Problems:
-    """Collects events, which are counted, and states, which last until they are reported no more.
+    """Collects events, which are counted, and lasting problems, which go when their group says so.
 
-    Clearing removes a state, too; it is shown again when it has ended and begun again.
+    Clearing removes lasting ones, too; one is shown again when it has ended and begun again, or
+    when it was reported more often.
     """
 
     def __init__(self) -> None:
         self._problems: Dict[Key, Problem] = {}  # the latest last
-        self._lasting: Dict[str, Set[Key]] = {}  # by the group that reports them
+        self._lasting: Dict[str, Dict[Key, Problem]] = {}  # by the group that reports them
 
     def add(self, source: str, text: str, is_error: bool, time: float, times: int = 1) -> None:
         """Counts an event, or so many."""
@@ -37,32 +38,32 @@ class Problems:
         times += before.times if before else 0
         self._problems[source, text] = Problem(source, text, is_error, times, time)
 
-    def report(self, group: str, states: Iterable[Tuple[str, str, bool]], time: float) -> None:
-        """Reports all states of a group that there are now.
+    def report(self, group: str, problems: Iterable[Problem]) -> None:
+        """Reports all problems of a group that there are now, the latest last.
 
         Args:
             group: name of an independent reporter.
-            states: source, text and whether it is an error, of each.
-            time: simulated time [s].
+            problems: of the group.
         """
-        present = {(source, text): is_error for source, text, is_error in states}
-        former = self._lasting.get(group, set())
-        for key in former - present.keys():
+        present = {(problem.source, problem.text): problem for problem in problems}
+        former = self._lasting.get(group, {})
+        for key in former.keys() - present.keys():
             self._problems.pop(key, None)
-        for key in present.keys() - former:
-            self._problems[key] = Problem(*key, present[key], 1, time)
-        self._lasting[group] = set(present)
+        for key, problem in present.items():
+            if key not in former or problem.times != former[key].times:
+                self._problems.pop(key, None)
+                self._problems[key] = problem
+        self._lasting[group] = present
 
     def end(self, source: str, text: str) -> None:
         """Removes an event."""
         self._problems.pop((source, text), None)
 
-    def forget_events(self, text: Optional[Pattern[str]] = None) -> None:
-        """Removes events, whose cause is gone; with a pattern, only those with a matching text."""
-        lasting = set().union(*self._lasting.values())
+    def forget_events(self) -> None:
+        """Removes events, whose cause is gone."""
+        lasting = {key for group in self._lasting.values() for key in group}
         for key in self._problems.keys() - lasting:
-            if text is None or text.search(key[1]):
-                del self._problems[key]
+            del self._problems[key]
 
     def clear(self) -> None:
         """Removes all problems."""

@@ -10,7 +10,7 @@ from python_qt_binding.QtWidgets import QDockWidget, QMenu, QToolBar, QWidget, Q
 from rviz import bindings as rviz
 
 from flatland_viz.bounds import EMPTY_WORLD, Bounds, bounds_in, extent, framed, grid_around
-from flatland_viz.displays import SCAN, WALLS, Shown, changes
+from flatland_viz.displays import COLORED, GOAL, PLAN, WALLS, Shown, changes, color_of
 from flatland_viz.drawing import limit_anti_aliasing, render_on_change
 from flatland_viz.navigation_tools import NavigationTool, show_tools
 from flatland_viz.rviz_config import INTERACT_TOOL, MODELS, Config, for_window
@@ -18,6 +18,11 @@ from flatland_viz.window_ids import synchronised_window_ids
 
 BACKGROUNDS = {"light": ("#eeeeec", 0.3), "dark": ("#121316", 0.15)}
 """Background colour and opacity of the grid, by name; grey walls stand out on both."""
+_LOOKS: Dict[str, Dict[str, Any]] = {
+    PLAN: {"Line Style": "Billboards", "Line Width": 0.1, "Color": QColor("#009e73")},
+    GOAL: {"Shaft Length": 0.6, "Shaft Radius": 0.08, "Head Length": 0.5, "Head Radius": 0.3},
+}
+"""Properties of rviz's own displays, by their classes."""
 _VIEW = ("X", "Y", "Scale", "Angle")
 SPAWN_TOOL = "flatland_viz/SpawnModel"
 RATE_TOOL = "flatland_viz/ChangeRate"
@@ -40,7 +45,7 @@ class Scene(QObject):
         super().__init__()
         self._displays: Dict[Shown, Any] = {}
         self._extra: Dict[str, Any] = {}
-        self._scan_colors: Dict[str, str] = {}
+        self._colors: Dict[str, str] = {}
         self._hidden_kinds: Set[str] = set()
         self._walls: Optional[Bounds] = None
         self._are_models_new = True
@@ -118,6 +123,8 @@ class Scene(QObject):
             root.takeDisplay(display).deleteLater()
         for shown in new:
             display = self._manager.createDisplay(shown.kind, shown.name, False)
+            for name, value in _LOOKS.get(shown.kind, {}).items():
+                display.subProp(name).setValue(value)
             display.subProp("Topic").setValue(shown.topic)
             self._displays[shown] = display
             if shown.kind == WALLS:
@@ -147,15 +154,15 @@ class Scene(QObject):
         bounds.changed.connect(lambda: self._on_walls(bounds_in(bounds.getValue())))
         progress.changed.connect(lambda: self.walls_progress.emit(progress.getValue()))
 
-    def show_kind(self, kind: str, on: bool) -> None:
-        """Shows or hides the displays of a class, or the one with this name."""
-        self._hidden_kinds = self._hidden_kinds - {kind} if on else self._hidden_kinds | {kind}
+    def show_kinds(self, on: bool, *kinds: str) -> None:
+        """Shows or hides the displays of classes, or those with these names."""
+        self._hidden_kinds = self._hidden_kinds - {*kinds} if on else self._hidden_kinds | {*kinds}
         for shown in self._displays:
             self._apply_switches(shown)
 
-    def set_scan_colors(self, colors: Dict[str, str]) -> None:
-        """Sets the colours of scans, as `#rrggbb` by topic."""
-        self._scan_colors = colors
+    def set_colors(self, colors: Dict[str, str]) -> None:
+        """Sets the colours of scans, plans and goals: `#rrggbb` by topic or namespace."""
+        self._colors = colors
         for shown in self._displays:
             self._apply_color(shown)
 
@@ -165,8 +172,9 @@ class Scene(QObject):
             self._displays[shown].setEnabled(is_wanted)
 
     def _apply_color(self, shown: Shown) -> None:
-        if shown.kind == SCAN and shown.topic in self._scan_colors:
-            self._displays[shown].subProp("Color").setValue(QColor(self._scan_colors[shown.topic]))
+        color = color_of(shown.topic, self._colors) if shown.kind in COLORED else ""
+        if color:
+            self._displays[shown].subProp("Color").setValue(QColor(color))
 
     def follow(self, model: str) -> None:
         """Makes the view follow a model by its name; the empty string ends that."""

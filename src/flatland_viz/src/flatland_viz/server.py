@@ -29,7 +29,7 @@ from python_qt_binding.QtCore import QObject, Signal
 from std_msgs.msg import UInt8
 from std_srvs.srv import Empty, Trigger
 
-from flatland_viz.displays import laser_scans
+from flatland_viz.displays import Shown, of_topics
 from flatland_viz.error_text import error_text
 from flatland_viz.model_list import models_of
 from flatland_viz.navigation_tools import goal_topics
@@ -50,8 +50,8 @@ class Server(QObject):
     """A status.Simulation, five times a second."""
     runs = Signal()
     """The first message about the simulation has come."""
-    scans_changed = Signal(object)
-    """The topics of all laser scans; emitted once at the start even if there are none."""
+    displays_changed = Signal(object)
+    """The displays of all topics of robots; emitted once at the start even if there are none."""
     navigation_changed = Signal(object)
     """The topics of goals and initial poses that have subscribers, in any namespace."""
     publishers_changed = Signal(object)
@@ -76,7 +76,7 @@ class Server(QObject):
     def __init__(self) -> None:
         super().__init__()
         self.debug = rospy.resolve_name(f"{_SERVER}/debug")
-        self._scans: Optional[List[str]] = None
+        self._displays: Optional[List[Shown]] = None
         self._navigation: FrozenSet[str] = frozenset()
         self._publishers: Dict[str, List[str]] = {}
         self._world = ""
@@ -273,28 +273,33 @@ class Server(QObject):
         while not self._is_closed:
             self._poll_now.clear()
             try:
-                scans = laser_scans(master.getPublishedTopics(""))
+                displays = of_topics(master.getPublishedTopics(""))
                 published, subscribed, _ = master.getSystemState()
                 world = _parameter(master, rospy.resolve_name(f"{_SERVER}/world_path"))
             except (OSError, xmlrpc.client.Error, rosgraph.MasterException):
                 pass  # there is no master now; the window shows that there is no server
             else:
-                self._on_polled(scans, world)
-                self._on_subscribed([topic for topic, _ in subscribed])
+                self._on_polled(displays, world)
+                self._on_subscribed(subscribed, dict(published))
                 self._on_published(published)
             self._poll_now.wait(_POLL_PERIOD)
             time.sleep(0.1)  # several models that are spawned together cause one poll
 
-    def _on_polled(self, scans: List[str], world: Optional[str]) -> None:
-        if scans != self._scans:
-            self._scans = scans
-            self._emit(self.scans_changed, scans)
+    def _on_polled(self, displays: List[Shown], world: Optional[str]) -> None:
+        if displays != self._displays:
+            self._displays = displays
+            self._emit(self.displays_changed, displays)
         if world and world != self._world:
             self._world = world
             self._emit(self.world_changed, world)
 
-    def _on_subscribed(self, topics: List[str]) -> None:
-        goals = goal_topics(topics)
+    def _on_subscribed(
+        self, subscribed: List[Tuple[str, List[str]]], published: Dict[str, List[str]]
+    ) -> None:
+        """Looks for subscribers to goals. rviz, which publishes goals, subscribes to show them."""
+        goals = goal_topics(
+            topic for topic, nodes in subscribed if {*nodes} - {*published.get(topic, ())}
+        )
         if goals != self._navigation:
             self._navigation = goals
             self._emit(self.navigation_changed, goals)

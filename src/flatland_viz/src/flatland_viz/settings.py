@@ -8,9 +8,9 @@ from python_qt_binding.QtWidgets import QAction, QMainWindow, QMenu
 _SWITCHES = "switches"
 DARK = "action_background_dark"
 """The switch for the dark look."""
-_LAYOUT = 1
-"""Version of saved panels. Those of version 0 may lack the toolbar and panels: they were saved
-after the window had closed."""
+_LAYOUT = 2
+"""Version of saved panels. Those of version 0 may lack the toolbar and panels, as they were saved
+after the window had closed; those of version 1 have Models behind Drive."""
 
 
 class Settings:

@@ -21,7 +21,7 @@ _FOLLOWED = (
     "padding: 1px 8px }"
 )
 _MESSAGE_TIME = 10_000  # ms
-_LEAST_HINT = 90  # pixels
+_LEAST_HINT = 60  # pixels
 _SPACE = 12  # pixels: margin of a field
 
 

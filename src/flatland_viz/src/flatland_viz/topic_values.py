@@ -23,8 +23,9 @@ def number(value: float, digits: int = 2) -> str:
 
 def velocity(forward: float, sideways: float, turn: float) -> str:
     """A planar velocity [m/s, m/s, rad/s]."""
-    across = f" \u2192 {number(sideways)}" if abs(sideways) >= 0.005 else ""
-    return f"{number(forward)}{across} m/s, {number(turn)} rad/s"
+    side = "left" if sideways > 0 else "right"
+    across = f"{number(abs(sideways))} m/s to the {side}, " if abs(sideways) >= 0.005 else ""
+    return f"{number(forward)} m/s, {across}{number(turn)} rad/s"
 
 
 def position(x: float, y: float, yaw: float) -> str:

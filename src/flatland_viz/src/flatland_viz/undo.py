@@ -1,6 +1,6 @@
 """Undo and redo of actions on models."""
 
-from typing import Callable, List, NamedTuple
+from typing import Callable, List, NamedTuple, Optional
 
 _LIMIT = 100
 
@@ -20,6 +20,7 @@ class UndoStack:
     def __init__(self) -> None:
         self._done: List[Undoable] = []
         self._undone: List[Undoable] = []
+        self._saved: Optional[Undoable] = None
 
     def push(self, done: Undoable) -> None:
         """Adds an action; what has been undone before cannot be redone any more."""
@@ -49,6 +50,20 @@ class UndoStack:
         """Forgets everything: the world is another one."""
         self._done.clear()
         self._undone.clear()
+        self._saved = None
+
+    def note_saved(self) -> None:
+        """Notes that all of them are in the world's file."""
+        self._saved = self._last
+
+    @property
+    def is_saved(self) -> bool:
+        """True if nothing was done or undone since all was saved."""
+        return self._last is self._saved
+
+    @property
+    def _last(self) -> Optional[Undoable]:
+        return self._done[-1] if self._done else None
 
     @property
     def text(self) -> str:

@@ -1,4 +1,4 @@
-"""Switches of the view for labels, headings, handles, scans and footprints."""
+"""Switches of the view: what is shown of models and of navigation."""
 
 from typing import Any, Callable, Dict
 
@@ -10,6 +10,7 @@ _SWITCHES = {
     "headings": "H&eadings",
     "handles": "&Handles",
     "scans": "&Scans",
+    "plans": "&Plans and goals",
     "footprints": "&Footprints",
 }
 
@@ -19,7 +20,7 @@ class ViewSwitches(QObject):
 
     Args:
         menu: gets the actions, before its first separator.
-        switches: the function of each, by `labels`, `headings`, `handles`, `scans`, `footprints`.
+        switches: the function of each, by the names of `_SWITCHES`.
     """
 
     def __init__(self, menu: QMenu, switches: Dict[str, Callable[[bool], Any]]) -> None:

@@ -99,7 +99,7 @@ def _show_window(ends_server: bool) -> int:
         theme.apply("dark")  # before there are widgets: Qt changes them only once it runs
 
     problems = ProblemSources()
-    problems.start()  # before rviz, which takes seconds: the server logs as it loads the world
+    problems.start()  # before rviz, whose transforms warn
     server = Server()
     server.models_changed.connect(problems.check_models)
     scene = Scene(_base_config(), _frame_rate())

@@ -15,7 +15,7 @@ from python_qt_binding.QtWidgets import (
     QShortcut,
 )
 
-from flatland_viz.displays import wanted
+from flatland_viz.displays import Shown, wanted
 from flatland_viz.drive_panel import DrivePanel
 from flatland_viz.file_dialog import ask_for_file
 from flatland_viz.ground_truth import GroundTruth
@@ -42,6 +42,7 @@ from flatland_viz.world_saving import WorldSaving
 
 _STEPS = "steps"
 _REFRESH_PERIOD = 200  # ms: of the status line
+_ROOM_FOR_BOTH = 600  # pixels: least height of a window with the panels Models and Drive
 _MENU_CLOSING_TIME = 200  # ms: until a menu is off the screen
 _OTHER_KEYS = Qt.ControlModifier | Qt.AltModifier | Qt.MetaModifier
 _RESET_DELAYS = (200, 3000)
@@ -93,8 +94,14 @@ class Window(QMainWindow):
             scene.models, self._line, self.menuBar().findChild(QMenu, "menu_simulation")
         )
         self._workbench = ModelWorkbench(self, server, scene, self.selection, self._line)
-        self.tabifyDockWidget(self._workbench.panel, self._drive)  # no room for both at double size
-        self._saving = WorldSaving(self, server, self._menus, lambda: self._workbench.has_edited)
+        size = first_size(QApplication.primaryScreen().availableSize())
+        if size.height() < _ROOM_FOR_BOTH:
+            self.tabifyDockWidget(self._workbench.panel, self._drive)
+        else:
+            self.splitDockWidget(self._workbench.panel, self._drive, Qt.Vertical)
+        self._drive.toggleViewAction().triggered.connect(self._make_room_to_drive)
+        self.selection.drive_asked.connect(lambda _: self._make_room_to_drive(True))
+        self._saving = WorldSaving(self, server, self._menus, self._workbench)
         self._toolbar = Toolbar(scene.toolbar, scene.tools)
         self._toolbar.add(self._menus.step, "step", "Step")
         self._toolbar.add(self._menus.reset, "reset", "Reset")
@@ -104,15 +111,16 @@ class Window(QMainWindow):
         scene.panel.installEventFilter(self)
         self._settings.follow_switches(self._menus.view)
         if not self._settings.restore_window(self, scene.frame):
-            self.resize(first_size(QApplication.primaryScreen().availableSize()))
+            self.resize(size)
 
     def _connect(self) -> None:
         server, scene, menus = self._server, self._scene, self._menus
         server.simulation_changed.connect(self._on_simulation)
-        server.scans_changed.connect(self._on_scans)
+        server.displays_changed.connect(self._on_displays)
         server.navigation_changed.connect(self._on_goals)
         self.selection.changed.connect(lambda _: self._show_navigation_tools())
         server.renewed.connect(self._badge.forget_events)
+        server.renewed.connect(self._workbench.note_saved)
         server.world_changed.connect(self._on_world)
         server.failed.connect(self._line.show_message)
         server.models_changed.connect(self._on_models)
@@ -176,13 +184,12 @@ class Window(QMainWindow):
             begin, end = self._simulation.begin, self._simulation.end
             self._server.seek(min(max(self._simulation.time + seconds, begin), end))
 
-    def _on_scans(self, scans: List[str]) -> None:
-        self._scene.show_displays(wanted(self._server.debug, scans))
+    def _on_displays(self, others: List[Shown]) -> None:
+        self._scene.show_displays(wanted(self._server.debug, others))
 
     def _on_models(self, models: Dict[str, Model]) -> None:
         self._models = models
         self._drive.set_models(models)
-        self._badge.set_models(models)
         self._show_navigation_tools()
 
     def _on_goals(self, topics: FrozenSet[str]) -> None:
@@ -203,8 +210,13 @@ class Window(QMainWindow):
         self._menus.set_world(path)
         self._saving.set_world(path)
         if is_other:
-            self._badge.clear()
+            self._badge.forget_events()
             self._scene.reset_view()
+
+    def _make_room_to_drive(self, is_shown: bool) -> None:
+        """Lets the panel Models shrink rather than Drive, of which all is used."""
+        if is_shown:
+            self.resizeDocks([self._drive], [self._drive.sizeHint().height()], Qt.Vertical)
 
     def showEvent(self, event: QEvent) -> None:  # noqa: N802
         """Lets the Drive panel take the window's keys."""

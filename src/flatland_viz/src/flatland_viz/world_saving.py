@@ -8,7 +8,9 @@ from python_qt_binding.QtWidgets import QMainWindow, QMessageBox
 
 from flatland_viz.file_dialog import ask_for_file
 from flatland_viz.menus import Menus
+from flatland_viz.model_workbench import ModelWorkbench
 from flatland_viz.server import Server
+from flatland_viz.world_files import copy_of, is_installed
 
 
 class WorldSaving(QObject):
@@ -18,19 +20,19 @@ class WorldSaving(QObject):
         window: its title has the place of the mark.
         server: writes the file.
         menus: have the actions.
-        has_edited: whether models have been changed in this window, and not by programs alone.
+        workbench: knows whether models have been changed in this window, and not by programs alone.
     """
 
     def __init__(
-        self, window: QMainWindow, server: Server, menus: Menus, has_edited: Callable[[], bool]
+        self, window: QMainWindow, server: Server, menus: Menus, workbench: ModelWorkbench
     ) -> None:
         super().__init__(window)
         self._window = window
         self._server = server
         self._menus = menus
-        self._has_edited = has_edited
+        self._workbench = workbench
         self._world = ""
-        menus.save_asked.connect(lambda: server.save(""))
+        menus.save_asked.connect(self._save)
         menus.save_as_asked.connect(self._save_as)
         self.show_edits(0)
 
@@ -39,9 +41,14 @@ class WorldSaving(QObject):
         self._world = path
 
     def show_edits(self, count: int) -> None:
-        """Shows how many models differ from the world's file."""
-        if (count > 0) != self._window.isWindowModified():  # else Qt would set the title again
-            self._window.setWindowModified(count > 0)
+        """Shows how many models differ from the world's file.
+
+        Those that programs alone have changed, such as robots that a launch file spawns, can be
+        saved, but are no unsaved changes of the user's.
+        """
+        is_modified = count > 0 and self._workbench.has_edited
+        if is_modified != self._window.isWindowModified():  # else Qt would set the title again
+            self._window.setWindowModified(is_modified)
         self._menus.save.setEnabled(count > 0)
 
     def keep_changes(self, what: str, then: Callable[[], None]) -> bool:
@@ -55,7 +62,7 @@ class WorldSaving(QObject):
             True if there are unsaved changes of this window, and so a question; otherwise nothing
             is done.
         """
-        if not (self._window.isWindowModified() and self._has_edited()):
+        if not self._window.isWindowModified():
             return False
         box = QMessageBox(
             QMessageBox.Question,
@@ -70,7 +77,7 @@ class WorldSaving(QObject):
 
         def answered(answer: int) -> None:
             if answer == QMessageBox.Save:
-                self._server.save("", then)
+                self._save(then)
             elif answer == QMessageBox.Discard:
                 then()
 
@@ -78,9 +85,28 @@ class WorldSaving(QObject):
         box.open()
         return True
 
+    def _save(self, then: Callable[[], None] = lambda: None) -> None:
+        """Saves in the world's file; in a copy if that is not the user's."""
+        world = Path(self._world)
+        if self._world and is_installed(world):
+            self._ask_and_save("Save a Copy of the Installed World", copy_of(world), then)
+        else:
+            self._save_in("", then)
+
     def _save_as(self) -> None:
-        start = str(Path(self._world) if self._world else Path.home() / "world.yaml")
+        world = Path(self._world)
+        start = world if self._world and not is_installed(world) else copy_of(world)
+        self._ask_and_save("Save the World", start, lambda: None)
+
+    def _ask_and_save(self, title: str, start: Path, then: Callable[[], None]) -> None:
         kinds = "Worlds (*.yaml *.yml)"
-        file = ask_for_file(self._window, "Save the World", start, kinds, is_new=True)
+        file = ask_for_file(self._window, title, str(start), kinds, is_new=True)
         if file:
-            self._server.save(file)
+            self._save_in(file, then)
+
+    def _save_in(self, path: str, then: Callable[[], None]) -> None:
+        def saved() -> None:
+            self._workbench.note_saved()
+            then()
+
+        self._server.save(path, saved)

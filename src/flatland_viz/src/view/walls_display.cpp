@@ -30,6 +30,7 @@ constexpr float kWidth = 0.05f;                     // m: of lines; those of fil
 constexpr float kLongLine = 1.5f;                   // times the shortest line
 constexpr float kContrast = 0.4f;        // difference of brightness; walls with less are changed
 constexpr float kWantedContrast = 0.5f;  // difference after the change
+constexpr float kMostContrast = 0.6f;    // on a dark background, where white walls would dazzle
 
 /// The bounding box of all walls, as numbers in a string; empty if there are none.
 QString BoundsOf(const flatland_msgs::Walls& walls) {
@@ -65,13 +66,16 @@ float Luma(const Ogre::ColourValue& color) {
   return 0.299f * color.r + 0.587f * color.g + 0.114f * color.b;
 }
 
-/// A colour that can be seen on a background: as it is, or mixed with white or black.
+/// A colour that can be seen on a background and does not dazzle: as it is, or mixed with white or
+/// black.
 Ogre::ColourValue ColorOn(const Ogre::ColourValue& background, const Ogre::ColourValue& color) {
   const float ground = Luma(background), luma = Luma(color);
-  if (std::abs(luma - ground) >= kContrast) return color;
+  const bool is_dark = ground < 0.5f, dazzles = is_dark && luma > ground + kMostContrast;
+  if (std::abs(luma - ground) >= kContrast && !dazzles) return color;
   const Ogre::ColourValue other =
-      ground < 0.5f ? Ogre::ColourValue::White : Ogre::ColourValue::Black;
-  const float wanted = ground < 0.5f ? ground + kWantedContrast : ground - kWantedContrast;
+      is_dark && !dazzles ? Ogre::ColourValue::White : Ogre::ColourValue::Black;
+  const float contrast = dazzles ? kMostContrast : kWantedContrast;
+  const float wanted = is_dark ? ground + contrast : ground - contrast;
   const float share = (wanted - luma) / (Luma(other) - luma);
   Ogre::ColourValue mixed = color * (1.0f - share) + other * share;
   mixed.a = color.a;

@@ -1,12 +1,16 @@
 """The displays of the window, and how they change with the world."""
 
-from flatland_viz.displays import Shown, changes, laser_scans, wanted
+from flatland_viz.displays import Shown, changes, color_of, of_topics, wanted
 
 DEBUG = "/flatland_server/debug"
 
 
+def scans(*topics):
+    return of_topics((topic, "sensor_msgs/LaserScan") for topic in topics)
+
+
 def test_all_layers_share_a_display_and_each_scan_has_one():
-    shown = wanted(DEBUG, ["/front/scan", "/scan"])
+    shown = wanted(DEBUG, scans("/front/scan", "/scan"))
 
     assert [(one.name, one.kind, one.topic) for one in shown] == [
         ("layers", "flatland_viz/Walls", "/flatland_server/debug/walls"),
@@ -31,26 +35,40 @@ def test_a_server_in_a_namespace_has_its_own_topics():
     ]
 
 
-def test_laser_scans_are_found_among_all_topics():
+def test_scans_plans_and_goals_are_found_among_all_topics_in_natural_order():
+    poses, paths = "geometry_msgs/PoseStamped", "nav_msgs/Path"
     published = [
-        ("/scan", "sensor_msgs/LaserScan"),
+        ("/r10/scan", "sensor_msgs/LaserScan"),
+        ("/r2/scan", "sensor_msgs/LaserScan"),
         ("/clock", "rosgraph_msgs/Clock"),
-        ("/camera/scan", "sensor_msgs/LaserScan"),
-        ("/points", "sensor_msgs/PointCloud2"),
+        ("/r2/move_base/plan", paths),
+        ("/r2/move_base/current_goal", poses),
+        ("/r2/move_base_simple/goal", poses),  # the same goals
+        ("/r10/move_base_simple/goal", poses),
+        ("/r10/pose", poses),
     ]
 
-    assert laser_scans(published) == ["/camera/scan", "/scan"]
+    assert [(one.kind.partition("/")[2], one.topic) for one in of_topics(published)] == [
+        ("Pose", "/r2/move_base/current_goal"),
+        ("Path", "/r2/move_base/plan"),
+        ("Scan", "/r2/scan"),
+        ("Pose", "/r10/move_base_simple/goal"),
+        ("Scan", "/r10/scan"),
+    ]
 
 
-def test_laser_scans_are_in_natural_order():
-    published = [(f"/r{number}/scan", "sensor_msgs/LaserScan") for number in (10, 9, 2)]
+def test_a_plan_has_the_colour_of_the_robot_in_its_namespace():
+    colors = {"/r2": "#00ff00", "/r2/rear_scan": "#0000ff"}
 
-    assert laser_scans(published) == ["/r2/scan", "/r9/scan", "/r10/scan"]
+    assert color_of("/r2/move_base/plan", colors) == "#00ff00"
+    assert color_of("/r2/rear_scan", colors) == "#0000ff"
+    assert color_of("/r22/move_base/plan", colors) == ""
+    assert color_of("/move_base/plan", {**colors, "": "#ff0000"}) == "#ff0000"
 
 
 def test_a_new_robot_adds_its_scan_and_changes_no_other_display():
-    before = wanted(DEBUG, ["/scan"])
-    after = wanted(DEBUG, ["/robot2/scan", "/scan"])
+    before = wanted(DEBUG, scans("/scan"))
+    after = wanted(DEBUG, scans("/robot2/scan", "/scan"))
 
     gone, new = changes(before, after)
 
@@ -59,8 +77,8 @@ def test_a_new_robot_adds_its_scan_and_changes_no_other_display():
 
 
 def test_the_scan_of_a_deleted_robot_is_removed():
-    before = wanted(DEBUG, ["/robot2/scan", "/scan"])
-    after = wanted(DEBUG, ["/scan"])
+    before = wanted(DEBUG, scans("/robot2/scan", "/scan"))
+    after = wanted(DEBUG, scans("/scan"))
 
     assert changes(before, after) == (
         [Shown("robot2/scan", "flatland_viz/Scan", "/robot2/scan")],
@@ -69,6 +87,6 @@ def test_the_scan_of_a_deleted_robot_is_removed():
 
 
 def test_equal_displays_stay():
-    shown = wanted(DEBUG, ["/scan"])
+    shown = wanted(DEBUG, scans("/scan"))
 
     assert changes(shown, list(shown)) == ([], [])

@@ -7,8 +7,8 @@ from flatland_viz.model_list import (
     free_name,
     models_of,
     namespace_of_copy,
-    scan_owners,
     sorted_topics,
+    topic_owners,
 )
 
 ODOMETRY = TopicInfo("/r2/odometry/filtered", "nav_msgs/Odometry", True)
@@ -45,7 +45,7 @@ def test_models_are_in_natural_order_and_own_their_scans():
     models = models_of(ModelList([*others, ROBOT]))
 
     assert list(models) == ["R9", "crate", "r2", "r10"]
-    assert scan_owners(models) == {"/r2/scan": "r2"}
+    assert topic_owners(models) == {"/r2/scan": "r2", "/r2": "r2"}
     assert models["crate"].command_topic == ""
     assert models["crate"].size == 0.0
 

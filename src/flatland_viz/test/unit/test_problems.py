@@ -1,7 +1,5 @@
 """Collection of problems by the window."""
 
-import re
-
 from flatland_viz.drive_robots import Robot
 from flatland_viz.problems import (
     Problem,
@@ -12,7 +10,7 @@ from flatland_viz.problems import (
     summary,
 )
 
-FAILED = ("server: plugin a/b", "switched off", True)
+FAILED = Problem("server: plugin a/b", "switched off", True, 1, 1.0)
 
 
 def test_events_are_counted_and_the_latest_comes_first():
@@ -30,36 +28,45 @@ def test_events_are_counted_and_the_latest_comes_first():
 
 def test_states_last_until_they_are_reported_no_more():
     problems = Problems()
-    problems.report("d", [FAILED], 1.0)
-    problems.report("d", [FAILED], 2.0)
-    problems.report("other", [], 2.0)
-    assert problems.latest_first == [Problem(*FAILED, 1, 1.0)]
+    problems.report("d", [FAILED])
+    problems.report("d", [FAILED._replace(time=2.0)])
+    problems.report("other", [])
+    assert problems.latest_first == [FAILED]
 
-    problems.report("d", [], 3.0)
+    problems.report("d", [])
     assert problems.latest_first == []
 
 
 def test_a_state_that_was_cleared_comes_back_when_it_begins_again():
     problems = Problems()
-    problems.report("d", [FAILED], 1.0)
+    problems.report("d", [FAILED])
     problems.clear()
-    problems.report("d", [FAILED], 2.0)
+    problems.report("d", [FAILED])
     assert not problems.latest_first
 
-    problems.report("d", [], 3.0)
-    problems.report("d", [FAILED], 4.0)
+    problems.report("d", [])
+    problems.report("d", [FAILED._replace(time=4.0)])
     assert [problem.time for problem in problems.latest_first] == [4.0]
 
 
-def test_events_are_forgotten_when_their_cause_is_gone():
+def test_the_entries_of_a_log_keep_their_numbers_and_come_back_when_they_are_repeated():
+    log = [Problem("/server", text, False, times, 1.0) for text, times in (("a", 3), ("b", 1))]
     problems = Problems()
-    problems.report("d", [FAILED], 1.0)
-    problems.add("/server", 'model "r2": /cmd_vel is shared', False, 2.0)
+    problems.report("log", log)
+    assert problems.latest_first == log[::-1]
+
+    problems.clear()
+    repeated = log[0]._replace(times=4, time=2.0)
+    problems.report("log", [log[1], repeated])
+    assert problems.latest_first == [repeated]
+
+
+def test_events_are_forgotten_when_the_world_is_loaded_anew():
+    problems = Problems()
+    problems.report("d", [FAILED])
     problems.add("/server", "r22 is stuck", False, 3.0)
-    problems.forget_events(re.compile(r"\br2\b"))
-    assert [problem.text for problem in problems.latest_first] == ["r22 is stuck", FAILED[1]]
     problems.forget_events()
-    assert [problem.text for problem in problems.latest_first] == [FAILED[1]]
+    assert problems.latest_first == [FAILED]
 
 
 def test_frames_of_one_node_are_no_problem():

@@ -52,4 +52,5 @@ def test_messages_are_described(kind, message, text):
 
 def test_a_sideways_velocity_is_named_only_if_there_is_one():
     assert velocity(0.5, 0.0, -0.2) == "0.50 m/s, -0.20 rad/s"
-    assert velocity(0.5, -0.25, 0.0) == "0.50 → -0.25 m/s, 0.00 rad/s"
+    assert velocity(0.5, -0.25, 0.0) == "0.50 m/s, 0.25 m/s to the right, 0.00 rad/s"
+    assert velocity(-0.001, 0.01, -0.001) == "0.00 m/s, 0.01 m/s to the left, 0.00 rad/s"

@@ -41,5 +41,18 @@ def test_what_was_undone_is_done_again_until_something_else_is_done():
     assert stack.redo_text == ""
 
 
+def test_it_is_saved_until_something_is_done_or_undone():
+    stack = UndoStack()
+    assert stack.is_saved
+    stack.push(Undoable("Move r2", _nothing, _nothing))
+    assert not stack.is_saved
+    stack.note_saved()
+    assert stack.is_saved
+    stack.undo()
+    assert not stack.is_saved
+    stack.redo()
+    assert stack.is_saved
+
+
 def _nothing():
     pass

@@ -1,12 +1,14 @@
 """Fields and panels of the window, without a screen."""
 
 import gc
+from pathlib import Path
 
 import pytest
 from python_qt_binding.QtCore import QEvent, QLocale, QObject, QPoint, Qt, QTimer, Signal
 from python_qt_binding.QtGui import QColor, QKeyEvent, QPalette, QPixmap
 from python_qt_binding.QtTest import QTest
 from python_qt_binding.QtWidgets import (
+    QAction,
     QApplication,
     QFileDialog,
     QLabel,
@@ -18,7 +20,7 @@ from python_qt_binding.QtWidgets import (
     QWidget,
 )
 
-from flatland_viz import drive_panel, model_panel
+from flatland_viz import drive_panel, model_panel, world_saving
 from flatland_viz.file_dialog import ask_for_file
 from flatland_viz.labels import QuietLabel, SelectableLabel
 from flatland_viz.model_actions import ModelActions
@@ -30,6 +32,7 @@ from flatland_viz.status import Simulation, Status
 from flatland_viz.status_line import StatusLine
 from flatland_viz.theme import Theme
 from flatland_viz.timeline import Timeline
+from flatland_viz.world_saving import WorldSaving
 
 
 @pytest.fixture(scope="module")
@@ -391,3 +394,70 @@ def test_the_look_changes_while_closed_widgets_wait_for_the_garbage_collector(ap
     QTimer.singleShot(0, change)
     application.exec_()
     gc.set_threshold(*thresholds)
+
+
+class World:
+    """Notes what is saved where; saves at once."""
+
+    def __init__(self):
+        self.has_edited, self.saved = False, []
+
+    def save(self, path, then):
+        self.saved.append(path)
+        then()
+
+    def note_saved(self):
+        self.has_edited = False
+
+
+class Menus(QObject):
+    """The actions that save."""
+
+    save_asked, save_as_asked = Signal(), Signal()
+
+    def __init__(self):
+        super().__init__()
+        self.save = QAction()
+
+
+@pytest.fixture
+def saving(application):
+    window, world = QMainWindow(), World()
+    return WorldSaving(window, world, Menus(), world), window, world
+
+
+def test_changes_by_programs_are_no_unsaved_changes_of_the_user(saving):
+    saving, window, world = saving
+    saving.show_edits(2)  # robots that a launch file has spawned
+    assert not window.isWindowModified()
+    assert not saving.keep_changes("closing", window.close)
+    assert saving._menus.save.isEnabled()
+
+    world.has_edited = True
+    saving.show_edits(3)
+    assert window.isWindowModified()
+    saving._menus.save_asked.emit()
+    saving.show_edits(1)
+    assert not window.isWindowModified()
+
+
+def test_a_world_of_the_installation_is_saved_in_a_copy(saving, tmp_path, monkeypatch):
+    saving, _, world = saving
+    package, answers = tmp_path / "share" / "my_robots", ["", "/home/me/floor.yaml"]
+    package.mkdir(parents=True)
+    (package / "package.xml").write_text("<package/>")
+    asked = []
+
+    def ask(parent, title, start, kinds, is_new):
+        asked.append(start)
+        return answers.pop(0)
+
+    monkeypatch.setattr(world_saving, "ask_for_file", ask)
+    for path in (package / "floor.yaml", tmp_path / "world.yaml"):
+        path.touch()
+        saving.set_world(str(path))
+        saving._menus.save_asked.emit()
+        saving._menus.save_asked.emit()
+
+    assert asked == [str(Path.home() / "floor.yaml")] * 2
+    assert world.saved == ["/home/me/floor.yaml", "", ""]  # none where the dialog was cancelled

@@ -60,11 +60,13 @@ class WorldFileText:
 
     @property
     def content(self) -> bytes:
-        """The file as it has been changed."""
-        text = self._text
-        for begin, end, new in sorted(self._changes, reverse=True):
-            text = text[:begin] + new + text[end:]
-        return self._mark + text.encode()
+        """The file as it has been changed. What is within an entry that is removed goes with it."""
+        parts, place = [], 0
+        for begin, end, new in sorted(self._changes):
+            if begin >= place:
+                parts += [self._text[place:begin], new]
+                place = end
+        return self._mark + "".join([*parts, self._text[place:]]).encode()
 
     def change_models(
         self,
@@ -204,12 +206,19 @@ class WorldFileText:
         end: int,
     ) -> None:
         new = [_flow(entry) for entry in added]
-        if kept == items:
-            last = self._end(items[-1], items[-1].start_mark.index)
-            self._changes.append((last, last, "".join(f", {each}" for each in new)))
+        if not kept:
+            self._changes.append((begin, end, f"[{', '.join(new)}]"))
             return
-        old = [self._text[slice(*self._span(item, begin))] for item in kept]
-        self._changes.append((begin, end, f"[{', '.join([*old, *new])}]"))
+        spans = [self._span(item, begin) for item in items]
+        first = items.index(kept[0])
+        self._changes.append((spans[0][0], spans[first][0], ""))
+        for item, (_, before), (_, last) in zip(
+            items[first + 1 :], spans[first:], spans[first + 1 :]
+        ):
+            if item not in kept:
+                self._changes.append((before, last, ""))
+        last = spans[-1][1]
+        self._changes.append((last, last, "".join(f", {each}" for each in new)))
 
     def _add_key(self, added: List[NewEntry]) -> None:
         end = self._end(self._root, 0)

@@ -29,6 +29,7 @@ from flatland_server.serving.client_files import ClientFiles
 from flatland_server.serving.map_to_odom import FRAME_ID, MapToOdom
 from flatland_server.serving.model_publisher import ModelPublisher
 from flatland_server.serving.model_services import ModelServices
+from flatland_server.serving.recent_log import RecentLog
 from flatland_server.serving.state_publisher import StatePublisher
 from flatland_server.serving.state_services import StateServices
 from flatland_server.serving.world_saving import WorldSaving
@@ -64,13 +65,14 @@ def run_node(name: str, simulate: Simulate) -> int:
     atexit.register(gc.freeze)  # no garbage collection at exit, to save time
     rospy.init_node(name, disable_signals=True)
     logging.getLogger().addHandler(RosLogHandler())
+    log = RecentLog(logging.getLogger("rosout"))
     tolerate_write_errors()
     open_files.raise_limit()
     try:
         config = ServerConfig.read()
         if config.launch_file is not None:
             check_launch_arguments([config.launch_file], parent_command_line())
-        _run(config, simulate)
+        _run(config, simulate, log)
     except rospy.ROSInterruptException:
         return 0
     except FlatlandError as error:
@@ -80,7 +82,7 @@ def run_node(name: str, simulate: Simulate) -> int:
     return 0
 
 
-def _run(config: ServerConfig, simulate: Simulate) -> None:
+def _run(config: ServerConfig, simulate: Simulate, log: RecentLog) -> None:
     try:
         timekeeper = Timekeeper(config.step_size)
     except ValueError as error:
@@ -104,6 +106,7 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
             world, timekeeper, config.update_rate, command_age=config.command_age
         )
         localisers = _open_topics(manager, transport, config)
+        log.start(manager)
     exclude_from_garbage_collection()
     if transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT):
         warn_of_other_times()  # of two nodes that start together, the second one sees the first

@@ -5,7 +5,9 @@ run.step()
 """
 
 import logging
+import time
 from contextlib import closing, suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Callable, Dict, List, Optional, Sequence, Set, Tuple
 
@@ -423,8 +425,9 @@ class World:
         Raises:
             FlatlandError: something in them is wrong, or the world was made without a file.
         """
+        read_at = time.monotonic()
         with closing(YamlPreprocessor(self.transport.get_param)) as preprocessor:
-            return self.config.read_again(path, preprocessor)
+            return replace(self.config.read_again(path, preprocessor), read_at=read_at)
 
     def rebuild(
         self, config: WorldConfig, seed: int, restore: Callable[[], None] = lambda: None

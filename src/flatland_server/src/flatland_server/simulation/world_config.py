@@ -63,6 +63,7 @@ class WorldConfig:
             of models.
         path: the world file, if it was read from one.
         simplify_map: how much the outlines of map images were simplified; see `read_map`.
+        read_at: when reading it again began [s of time.monotonic]; 0 for a server's first world.
     """
 
     velocity_iterations: int
@@ -75,6 +76,7 @@ class WorldConfig:
     model_folders: Tuple[Path, ...] = ()
     path: Optional[Path] = field(default=None, compare=False)
     simplify_map: int = 0
+    read_at: float = field(default=0.0, compare=False)
 
     @classmethod
     def from_file(

@@ -608,3 +608,28 @@ def test_a_saved_file_has_the_worlds_models_whatever_was_done_before(files, tmp_
     server.manager.keep_history(interval=0.01)
 
     RandomUser(server, tmp_path, seed).do(60)
+
+
+@pytest.mark.parametrize(
+    "models",
+    [
+        "\n".join(["", *(f"  - name: {name}\n    model: box.yaml" for name in "abcd")]),
+        f" [{', '.join(f'{{name: {name}, model: box.yaml}}' for name in 'abcd')}]",
+    ],
+    ids=["block", "flow"],
+)
+@pytest.mark.parametrize("deleted", ["a", "ab", "bc", "d", "ad"])
+def test_a_copy_in_another_folder_lacks_deleted_models(files, tmp_path, models, deleted):
+    server = Server(files, f"properties: {{}}\nlayers: [{{name: walls}}]\nmodels:{models}\n")
+    for name in deleted:
+        server.delete(name)
+    server.spawn("new", 1.0, 2.0)
+    copies = tmp_path / "copies"
+    copies.mkdir()
+
+    server.save(copies / "world.yaml")
+
+    kept = [name for name in "abcd" if name not in deleted]
+    config = server.world.read_config()
+    assert config.path == copies / "world.yaml"
+    assert [entry.name for entry in config.models] == [*kept, "new"]
