@@ -1,26 +1,32 @@
 """Sources of problems: the server's log, /diagnostics, models and transforms."""
 
 import threading
+import time
 import xmlrpc.client
 from typing import Any, Dict, Set, Tuple
 
 import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from python_qt_binding.QtCore import QObject, Signal
+from python_qt_binding.QtCore import QObject, QTimer, Signal
 from rosgraph_msgs.msg import Log
 from tf2_msgs.msg import TFMessage
 
 from flatland_viz.drive_robots import robots_of
 from flatland_viz.model_list import Model
 from flatland_viz.problems import frames_published_twice, shared_commands
-from flatland_viz.transform_warnings import TransformWarnings
+from flatland_viz.transform_warnings import (
+    TransformWarnings,
+    print_warnings_once,
+    take_warnings,
+)
 
 _SERVER = "flatland_server"
 _LEFT_OUT = ("is switched off", "incoming connection failed")
 """Texts of log messages that are left out: /diagnostics reports failed plugins, too, and rospy logs
 an error if another program ends while it connects."""
 
+_WARNINGS_PERIOD = 1000  # ms of real time
 _FRAMES_PERIOD = 5.0  # s of real time
 _SAMPLE_TIME = 1.0  # s of real time: slow publishers of transforms send some 10 a second
 _TRANSFORMS = ("/tf", "/tf_static")
@@ -44,17 +50,16 @@ class ProblemSources(QObject):
         super().__init__()
         self._closed = threading.Event()
         self._groups: Dict[str, str] = {}  # of diagnostics, by their nodes
-        self._warnings = TransformWarnings(
-            lambda text, times: self._emit(
-                self.logged, _TRANSFORM_SOURCE, text, False, rospy.get_time(), times
-            )
-        )
+        self._warnings = TransformWarnings()
+        self._warnings_timer = QTimer(self)
+        self._warnings_timer.timeout.connect(self._report_warnings)
 
     def start(self) -> None:
         """Subscribes. Connect the signals before, or in the same event of Qt's loop."""
         rospy.Subscriber("/rosout", Log, self._on_log, queue_size=100)
         rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=10)
-        self._warnings.start()
+        print_warnings_once()
+        self._warnings_timer.start(_WARNINGS_PERIOD)
         threading.Thread(target=self._watch_frames, name="frames", daemon=True).start()
 
     def close(self) -> None:
@@ -84,6 +89,14 @@ class ProblemSources(QObject):
         self._groups[node] = f"/diagnostics of {node}"
         self._emit(self.lasts, self._groups[node], states, message.header.stamp.to_sec())
 
+    def _report_warnings(self) -> None:
+        """Fetches the warnings of transforms: their threads must not wait for Python."""
+        due, ended = self._warnings.update(take_warnings(), time.monotonic())
+        for text, times in due.items():
+            self._emit(self.logged, _TRANSFORM_SOURCE, text, False, rospy.get_time(), times)
+        for text in ended:
+            self._emit(self.ended, _TRANSFORM_SOURCE, text)
+
     def _end_diagnostics(self, nodes: Set[str]) -> None:
         """Ends the states of nodes that have ended.
 
@@ -101,8 +114,6 @@ class ProblemSources(QObject):
                 published, _, _ = master.getSystemState()
             except (OSError, xmlrpc.client.Error, rosgraph.MasterException):
                 continue  # there is no master now
-            for text in self._warnings.expired():
-                self._emit(self.ended, _TRANSFORM_SOURCE, text)
             self._end_diagnostics(set(dict(published).get("/diagnostics", ())))
             nodes = {node for topic, names in published if topic in _TRANSFORMS for node in names}
             seen = self._sample_frames() if len(nodes) > 1 else set()
