@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from gui_screen import Screen, wait_until
+from plain_rviz import steady_windows
 from python_qt_binding.QtCore import QLibraryInfo
 from ros_programs import Ros
 from screens import SCREENS
@@ -61,7 +62,8 @@ def desktop(tmp_path_factory):
 )
 def test_it_opens_by_xwayland(desktop, program, platform, tmp_path):
     screen = Screen(desktop["DISPLAY"], SCREENS["1280x800-light"], "wayland", tmp_path)
-    ros = Ros({**screen.environment, **desktop, **platform}, tmp_path)
+    steady = {"LD_PRELOAD": steady_windows(tmp_path)} if program == "rviz.launch" else {}
+    ros = Ros({**screen.environment, **desktop, **platform, **steady}, tmp_path)
     try:
         if program == "window":
             started, title = ros.start_window(), "Flatland"

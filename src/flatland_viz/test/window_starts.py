@@ -2,12 +2,13 @@
 """Starts the window many times under Xvfb, and reports the starts that ended in a crash.
 
     src/flatland_viz/test/window_starts.py [--starts 300] [--at-once 2] [--seconds 1] [--cores DIR]
-        [--busy 12] [--launch flatland_server server.launch world_path:=FILE use_rviz:=true]
+        [--rviz] [--busy 12] [--launch flatland_server server.launch world_path:=FILE use_rviz:=true]
 
 Run it with ROS's environment (`source devel/setup.bash`). Each window gets SIGINT after its first
 second on the screen, and must end with exit code 0. The exit code of this program says whether all
 did. Without `--launch`, no server runs: a crash such as that of `window_ids.py` is in the first
-frames, whatever they show. `--busy` programs share one core with all of it.
+frames, whatever they show. `--busy` programs share one core with all of it. `--rviz` starts plain
+rviz, as tests do, instead of the window.
 """
 
 import argparse
@@ -22,8 +23,10 @@ from typing import Any, Dict, List, Optional, Tuple
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "flatland_server" / "test"))
 
+from plain_rviz import plain_rviz
 from ros_processes import executable, free_port
 
+CONFIG = Path(__file__).resolve().parents[1] / "rviz" / "flatland.rviz"
 LIMIT = 60.0  # s: for a window to appear, and to end
 
 
@@ -31,13 +34,21 @@ class Start:
     """One window, from its start to its end.
 
     Args:
+        command: of the window.
         number: of the start; part of the node's name.
         environment: with the display and the master.
         seconds: how long the window is on the screen.
         folder: the working directory, where core files are written.
     """
 
-    def __init__(self, number: int, environment: Dict[str, str], seconds: float, folder: Path):
+    def __init__(
+        self,
+        command: List[str],
+        number: int,
+        environment: Dict[str, str],
+        seconds: float,
+        folder: Path,
+    ):
         self.number = number
         self._environment = environment
         self._seconds = seconds
@@ -45,7 +56,7 @@ class Start:
         self._shown: Optional[float] = None
         self._interrupted: Optional[float] = None
         self.process = subprocess.Popen(
-            [executable("flatland_viz", "flatland_viz"), f"__name:=window_{number}"],
+            [*command, f"__name:=window_{number}"],
             env=environment,
             cwd=folder,
             stdout=subprocess.DEVNULL,
@@ -124,6 +135,9 @@ def run(options: argparse.Namespace) -> Dict[str, int]:
         "ROS_IP": "127.0.0.1",
         "XDG_CONFIG_HOME": str(options.cores / "config"),
     }
+    command = [executable("flatland_viz", "flatland_viz")]
+    if options.rviz:
+        command = [*plain_rviz(options.cores), "-d", str(CONFIG)]
     launch = _start_launch(options.launch, port, environment)
     ends: Dict[str, int] = collections.Counter()
     running: List[Start] = []
@@ -132,7 +146,9 @@ def run(options: argparse.Namespace) -> Dict[str, int]:
         while number < options.starts or running:
             while number < options.starts and len(running) < options.at_once:
                 number += 1
-                running.append(Start(number, environment, options.seconds, options.cores))
+                running.append(
+                    Start(command, number, environment, options.seconds, options.cores)
+                )
             time.sleep(0.05)
             for start in list(running):
                 end = start.advance()
@@ -159,6 +175,7 @@ def main() -> int:
     parser.add_argument("--at-once", type=int, default=2, help="how many at a time (2)")
     parser.add_argument("--seconds", type=float, default=1.0, help="each on the screen (1)")
     parser.add_argument("--cores", type=Path, default=Path.cwd(), help="folder for core files")
+    parser.add_argument("--rviz", action="store_true", help="plain rviz instead of the window")
     parser.add_argument("--busy", type=int, default=0, help="programs that share a core (0)")
     parser.add_argument("--launch", nargs="+", default=[], help="roslaunch with these arguments")
     options = parser.parse_args()
