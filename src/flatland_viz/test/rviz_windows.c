@@ -1,8 +1,9 @@
 /* Preloaded into plain rviz by tests: its windows have a size when OpenGL asks for it.
 
-   rviz has three connections to the X server, which do not wait for each other (window_ids.py), and draws once more
-   into its window when that is closed. Mesa does not notice that the server has no such window, and takes for its size
-   whatever is in memory, such as 168 x 0: llvmpipe then clears memory that it has not allocated. */
+   rviz has three connections to the X server, which do not wait for each other (window_ids.py), and
+   draws once more into its window when that is closed. Mesa does not notice that the server has no
+   such window, and takes for its size whatever is in memory, such as 168 x 0: llvmpipe then clears
+   memory that it has not allocated. */
 
 #define _GNU_SOURCE
 #include <X11/Xlib.h>

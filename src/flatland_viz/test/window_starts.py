@@ -87,7 +87,8 @@ class Start:
 
     def _is_visible(self) -> bool:
         search = ["xdotool", "search", "--onlyvisible", "--pid", str(self.process.pid)]
-        return bool(subprocess.run(search, env=self._environment, stdout=subprocess.PIPE).stdout)
+        # xdotool ends with an X error if another window is closed meanwhile: look again later.
+        return bool(subprocess.run(search, env=self._environment, capture_output=True).stdout)
 
 
 def _start_busy(number: int) -> List["subprocess.Popen[bytes]"]:

@@ -1,7 +1,8 @@
 /// Warnings of tf2, which come with every transform that it ignores: hundreds a second.
 ///
-/// They come on any thread, while console_bridge's lock is held. Python fetches their numbers: a call into Python would
-/// wait here for the GIL, and a thread with the GIL, which has a warning of its own, for that lock.
+/// They come on any thread, while console_bridge's lock is held. Python fetches their numbers: a
+/// call into Python would wait here for the GIL, and a thread with the GIL, which has a warning of
+/// its own, for that lock.
 
 #include <console_bridge/console.h>
 
@@ -74,12 +75,10 @@ OncePrinted& Handler() {
 }  // namespace
 
 /// Prints further warnings of console_bridge once each, and counts them.
-extern "C" void flatland_viz_print_warnings_once() {
-  console_bridge::useOutputHandler(&Handler());
-}
+extern "C" void flatland_viz_print_warnings_once() { console_bridge::useOutputHandler(&Handler()); }
 
-/// Takes a warning by its number, from 0 on: writes its text, cut to `size` bytes with the final zero, and returns how
-/// often it has come since it was taken; -1 beyond the last one.
+/// Takes a warning by its number, from 0 on: writes its text, cut to `size` bytes with the final
+/// zero, and returns how often it has come since it was taken; -1 beyond the last one.
 extern "C" int flatland_viz_take_warning(int number, char* text, int size) {
   const std::optional<Warning> warning = Handler().Take(number);
   if (!warning) return -1;
