@@ -31,10 +31,10 @@ def desktop(tmp_path_factory):
         sockets.chmod(0o1777)
     log = tmp_path_factory.mktemp("weston") / "weston.log"
     with tempfile.TemporaryDirectory() as runtime, log.open("w") as output:  # short, for a socket
-        variables = {"XDG_RUNTIME_DIR": runtime, "WAYLAND_DISPLAY": "wayland-test"}
+        name = "wayland-test"
+        variables = {"XDG_RUNTIME_DIR": runtime, "WAYLAND_DISPLAY": name}
         weston = subprocess.Popen(
-            ["weston", "--backend=headless-backend.so", "--xwayland", "--no-config"]
-            + [f"--socket={variables['WAYLAND_DISPLAY']}"],
+            ["weston", "--backend=headless-backend.so", "--xwayland", "--no-config", "-S", name],
             env={**os.environ, **variables},
             stdout=output,
             stderr=subprocess.STDOUT,

@@ -2,7 +2,8 @@
 """Starts the window many times under Xvfb, and reports the starts that ended in a crash.
 
     src/flatland_viz/test/window_starts.py [--starts 300] [--at-once 2] [--seconds 1] [--cores DIR]
-        [--rviz] [--busy 12] [--launch flatland_server server.launch world_path:=FILE use_rviz:=true]
+        [--rviz] [--busy 12]
+        [--launch flatland_server server.launch world_path:=FILE use_rviz:=true]
 
 Run it with ROS's environment (`source devel/setup.bash`). Each window gets SIGINT after its first
 second on the screen, and must end with exit code 0. The exit code of this program says whether all
@@ -147,9 +148,7 @@ def run(options: argparse.Namespace) -> Dict[str, int]:
         while number < options.starts or running:
             while number < options.starts and len(running) < options.at_once:
                 number += 1
-                running.append(
-                    Start(command, number, environment, options.seconds, options.cores)
-                )
+                running.append(Start(command, number, environment, options.seconds, options.cores))
             time.sleep(0.05)
             for start in list(running):
                 end = start.advance()
@@ -163,10 +162,10 @@ def run(options: argparse.Namespace) -> Dict[str, int]:
     finally:
         for start in running:
             os.killpg(start.process.pid, signal.SIGKILL)
-        launch.send_signal(signal.SIGINT)
-        launch.wait()
-        for program in (*busy, screen):
+        for program in (launch, *busy):
             program.terminate()
+            program.wait()
+        screen.terminate()
     return ends
 
 

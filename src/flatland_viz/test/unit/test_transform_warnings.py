@@ -60,7 +60,8 @@ print(len(taken), sum(taken.values()), max(map(len, taken)), take_warnings())
 
 def output_of(program):
     """The output of a program, and the lines of its log."""
-    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    command = [sys.executable, "-c", program]
+    run = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert run.returncode == 0, run.stderr
     return run.stdout, run.stderr.splitlines()
 
