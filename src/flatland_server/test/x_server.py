@@ -3,7 +3,7 @@
 import os
 import shutil
 import subprocess
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 
 import pytest
 
@@ -29,10 +29,6 @@ def x_server(width, height):
         stderr=subprocess.DEVNULL,
     )
     os.close(write)
-    # rviz crashes if it asks for a window before the X server has made it (window_ids.py).
-    # This is rarer if the server never waits for a core.
-    with suppress(OSError):  # needs a privilege
-        os.sched_setscheduler(server.pid, os.SCHED_RR, os.sched_param(1))
     try:
         with os.fdopen(read) as pipe:
             yield f":{pipe.readline().strip()}"

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import yaml
 from gui_screen import FIRST_ROBOT
+from plain_rviz import plain_rviz
 from screen_pictures import near
 
 WALLS, ROBOT, BOX, SCAN = (102, 102, 102), (51, 128, 204), (194, 145, 87), FIRST_ROBOT
@@ -121,7 +122,7 @@ class Viewer:
                     with_handles(office, ros.frame_rate, self.background, screen.qt_size)
                 )
             )
-            self.program = ros.start("rviz", "-d", config, "__name:=rviz")
+            self.program = ros.start(*plain_rviz(folder), "-d", config, "__name:=rviz")
             title = ".*flatland.rviz.* - RViz"
         self.window = screen.wait_for_window(title)
         self.models = [

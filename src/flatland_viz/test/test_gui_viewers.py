@@ -297,6 +297,7 @@ def test_closing_the_window_ends_the_launch_and_closing_rviz_does_not(viewer):
     launch = viewer.launch
     if viewer.kind == "rviz":
         viewer.ros.end(viewer.program)
+        assert viewer.program.returncode == 0
         assert launch.process.poll() is None
         launch.press_ctrl_c()
         assert launch.process.wait(60) == 0

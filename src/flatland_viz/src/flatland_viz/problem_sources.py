@@ -1,6 +1,7 @@
 """Sources of problems: the server's log, /diagnostics, models, transforms and this window."""
 
 import threading
+import time
 import xmlrpc.client
 from typing import Any, Dict, Iterable, Set, Tuple
 
@@ -16,14 +17,18 @@ from flatland_viz.drive_robots import robots_of
 from flatland_viz.model_list import Model
 from flatland_viz.own_errors import OwnErrors
 from flatland_viz.problems import Problem, frames_published_twice, shared_commands
-from flatland_viz.transform_warnings import TransformWarnings
+from flatland_viz.transform_warnings import (
+    TransformWarnings,
+    print_warnings_once,
+    take_warnings,
+)
 
 _SERVER = "flatland_server"
 _LEFT_OUT = ("is switched off", "incoming connection failed")
 """Texts of log messages that are left out: /diagnostics reports failed plugins, too, and rospy logs
 an error if another program ends while it connects."""
 
-_ERRORS_PERIOD = 500  # ms of real time
+_FETCH_PERIOD = 500  # ms of real time
 _FRAMES_PERIOD = 5.0  # s of real time
 _SAMPLE_TIME = 1.0  # s of real time: slow publishers of transforms send some 10 a second
 _TRANSFORMS = ("/tf", "/tf_static")
@@ -46,20 +51,17 @@ class ProblemSources(QObject):
         self._closed = threading.Event()
         self._groups: Dict[str, str] = {}  # of diagnostics, by their nodes
         self._errors = OwnErrors()
+        self._warnings = TransformWarnings()
         self._timer = QTimer(self)
         self._timer.timeout.connect(self._report_errors)
-        self._warnings = TransformWarnings(
-            lambda text, times: self._emit(
-                self.logged, _TRANSFORM_SOURCE, text, False, rospy.get_time(), times
-            )
-        )
+        self._timer.timeout.connect(self._report_warnings)
 
     def start(self) -> None:
         """Begins. Connect the signals before, or in the same event of Qt's loop."""
         self._errors.start()
-        self._timer.start(_ERRORS_PERIOD)
+        print_warnings_once()
+        self._timer.start(_FETCH_PERIOD)
         QTimer.singleShot(0, self._subscribe)  # a signal that is not connected yet is lost
-        self._warnings.start()
         threading.Thread(target=self._watch_frames, name="frames", daemon=True).start()
 
     def _subscribe(self) -> None:
@@ -106,6 +108,14 @@ class ProblemSources(QObject):
         self._groups[node] = f"/diagnostics of {node}"
         self._emit(self.lasts, self._groups[node], problems)
 
+    def _report_warnings(self) -> None:
+        """Fetches the warnings of transforms: their threads must not wait for Python."""
+        due, ended = self._warnings.update(take_warnings(), time.monotonic())
+        for text, times in due.items():
+            self._emit(self.logged, _TRANSFORM_SOURCE, text, False, rospy.get_time(), times)
+        for text in ended:
+            self._emit(self.ended, _TRANSFORM_SOURCE, text)
+
     def _end_diagnostics(self, nodes: Set[str]) -> None:
         """Ends the states of nodes that have ended.
 
@@ -123,8 +133,6 @@ class ProblemSources(QObject):
                 published, _, _ = master.getSystemState()
             except (OSError, xmlrpc.client.Error, rosgraph.MasterException):
                 continue  # there is no master now
-            for text in self._warnings.expired():
-                self._emit(self.ended, _TRANSFORM_SOURCE, text)
             self._end_diagnostics(set(dict(published).get("/diagnostics", ())))
             nodes = {node for topic, names in published if topic in _TRANSFORMS for node in names}
             seen = self._sample_frames() if len(nodes) > 1 else set()

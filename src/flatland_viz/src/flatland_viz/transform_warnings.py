@@ -1,66 +1,71 @@
 """Warnings of rviz's transforms: printed once, and counted."""
 
 import ctypes
-import threading
-import time
+import itertools
 from contextlib import suppress
-from typing import Callable, Dict, List, NamedTuple, Optional
+from typing import Dict, List, NamedTuple, Tuple
 
 _LIBRARY = "libflatland_viz_tools.so"
+_LENGTH = 501
+"""Bytes of the longest text, and its final zero."""
 _LEAST = 20
 """The number of warnings that is reported first: a few come when simulated time begins again."""
-_REPORT_PERIOD = 1.0  # s of real time
 _EXPIRY = 10.0  # s of real time
+
+
+def print_warnings_once() -> None:
+    """Counts tf2's warnings from now on. Without our library, which is logged elsewhere, none."""
+    with suppress(OSError):
+        ctypes.CDLL(_LIBRARY).flatland_viz_print_warnings_once()
+
+
+def take_warnings() -> Dict[str, int]:
+    """How often each warning has come since the last call, by its text."""
+    taken: Dict[str, int] = {}
+    with suppress(OSError):
+        take = ctypes.CDLL(_LIBRARY).flatland_viz_take_warning
+        text = ctypes.create_string_buffer(_LENGTH)
+        for number in itertools.count():
+            times = take(number, text, _LENGTH)
+            if times < 0:
+                break
+            if times:
+                taken[text.value.decode(errors="replace")] = times
+    return taken
 
 
 class _Warning(NamedTuple):
     unreported: int
-    reported_at: Optional[float]
+    is_reported: bool
     came_at: float
 
 
 class TransformWarnings:
-    """Counts warnings from `start` on.
+    """Decides which warnings are worth a report."""
 
-    Args:
-        report: called with a text and how often it has come since the last call, once it has come
-            some times, and once a second at most, on any thread.
-    """
-
-    def __init__(self, report: Callable[[str, int], None]) -> None:
-        self._report = report
-        self._lock = threading.Lock()
+    def __init__(self) -> None:
         self._warnings: Dict[str, _Warning] = {}
-        self._callback = ctypes.CFUNCTYPE(None, ctypes.c_char_p)(self._receive)
 
-    def start(self) -> None:
-        """Takes tf2's warnings. Without our library, which is logged elsewhere, none come."""
-        with suppress(OSError):
-            ctypes.CDLL(_LIBRARY).flatland_viz_print_warnings_once(self._callback)
+    def update(self, new: Dict[str, int], now: float) -> Tuple[Dict[str, int], List[str]]:
+        """Counts new warnings.
 
-    def _receive(self, text: bytes) -> None:
-        self.note(text.decode(errors="replace"), time.monotonic())
+        Args:
+            new: how often each has come since the last call, by its text.
+            now: real time [s].
 
-    def note(self, text: str, now: float) -> None:
-        """Counts a warning that has come now [s]."""
-        with self._lock:
-            before = self._warnings.get(text, _Warning(0, None, now))
-            count = before.unreported + 1
-            if before.reported_at is None:
-                is_due = count >= _LEAST
-            else:
-                is_due = now - before.reported_at >= _REPORT_PERIOD
-            self._warnings[text] = _Warning(
-                0 if is_due else count, now if is_due else before.reported_at, now
-            )
-        if is_due:
-            self._report(text, count)
-
-    def expired(self) -> List[str]:
-        """The texts that come no more, each once."""
-        now = time.monotonic()
-        with self._lock:
-            texts = [text for text, each in self._warnings.items() if now - each.came_at > _EXPIRY]
-            for text in texts:
-                del self._warnings[text]
-        return texts
+        Returns:
+            The numbers to report, by text: of warnings that have come some times. And the texts
+            that come no more, each once.
+        """
+        due: Dict[str, int] = {}
+        for text, times in new.items():
+            before = self._warnings.get(text, _Warning(0, False, now))
+            count = before.unreported + times
+            is_due = before.is_reported or count >= _LEAST
+            if is_due:
+                due[text] = count
+            self._warnings[text] = _Warning(0 if is_due else count, is_due, now)
+        ended = [text for text, each in self._warnings.items() if now - each.came_at > _EXPIRY]
+        for text in ended:
+            del self._warnings[text]
+        return due, ended

@@ -1,11 +1,9 @@
 """The node flatland_viz: opens the window, or logs that there is no display."""
 
-import ctypes
 import os
 import signal
 import sys
 import threading
-import time
 import traceback
 import xmlrpc.client
 from contextlib import suppress
@@ -18,6 +16,8 @@ import rosgraph.names
 import rospkg
 import rospy
 import yaml
+
+from flatland_viz.x_display import choose_x
 
 _WAKE_PERIOD = 50  # ms
 _FRAME_RATE = 30  # Hz
@@ -32,11 +32,11 @@ A crash of the window does not: the server goes on, and a window can be opened a
 
 
 def main() -> int:
-    """Shows the window until it is closed. Without a display, logs that and ends."""
-    has_display = _has_display()
+    """Shows the window until it is closed. Without an X display, logs that and ends."""
+    missing = choose_x()
     rospy.init_node("flatland_viz", anonymous=_is_second(), disable_signals=True)
-    if not has_display:
-        rospy.logwarn("no display: going on without a window (show_viz:=false avoids this line)")
+    if missing:
+        rospy.logwarn("%s: going on without a window (show_viz:=false avoids this line)", missing)
         return 0
     return _show_window(ends_server=_END_SERVER in sys.argv)
 
@@ -50,24 +50,6 @@ def _is_second() -> bool:
         name = rosgraph.names.ns_join(rosgraph.names.get_ros_namespace(), "flatland_viz")
         uri = master.lookupNode(name)
         return bool(xmlrpc.client.ServerProxy(uri).getPid("/flatland_viz_start"))
-    return False
-
-
-def _has_display() -> bool:
-    """True if the X server named by DISPLAY accepts connections.
-
-    A server such as Xvfb resets when its last client disconnects, and refuses connections
-    meanwhile: so this tries for a second, and keeps its connection open until Qt has one.
-    """
-    try:
-        x11 = ctypes.CDLL("libX11.so.6")
-    except OSError:
-        return False
-    x11.XOpenDisplay.restype = ctypes.c_void_p
-    for _ in range(10 if os.environ.get("DISPLAY") else 0):
-        if x11.XOpenDisplay(None):
-            return True
-        time.sleep(0.1)
     return False
 
 

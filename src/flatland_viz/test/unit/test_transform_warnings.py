@@ -1,20 +1,95 @@
 """Warnings of transforms, which come hundreds of times a second."""
 
+import subprocess
+import sys
+
+import pytest
+
 from flatland_viz.transform_warnings import TransformWarnings
 
+BOTH_THREADS_WARN = """
+import ctypes, fcntl, os, sys, threading
 
-def test_a_warning_that_goes_on_is_reported_once_a_second_with_its_number():
-    reports = []
-    warnings = TransformWarnings(lambda text, times: reports.append((text, times)))
-    for hundredth in range(250):
-        warnings.note("repeated: odom", 100.0 + hundredth / 100)
-    warnings.note("repeated: base", 102.4)
-    assert reports == [("repeated: odom", 20), ("repeated: odom", 100), ("repeated: odom", 100)]
+import rospy
+import tf2_py
+from geometry_msgs.msg import TransformStamped
+
+from flatland_viz.transform_warnings import print_warnings_once, take_warnings
+
+print_warnings_once()
+log = ctypes.CDLL("libconsole_bridge.so.1.0")._ZN14console_bridge3logEPKciNS_8LogLevelES1_z
+thread = threading.Thread(target=log, args=(b"file", 1, 2, b"a thread without the GIL at time 1"))
+transforms = tf2_py.BufferCore()
+transform = TransformStamped(child_frame_id="base")
+transform.header.frame_id = "map"
+transform.header.stamp = rospy.Time(1)
+transform.transform.rotation.w = 1.0
+transforms.set_transform(transform, "robot")
+
+# The pipe is full: the thread stops while it prints, with the lock of console_bridge and without
+# the GIL. This thread has the GIL for good, also while it makes room.
+output, errors = os.pipe()
+fcntl.fcntl(errors, fcntl.F_SETFL, os.O_NONBLOCK)
+size = fcntl.fcntl(errors, fcntl.F_GETPIPE_SZ)
+os.write(errors, b"." * size)
+fcntl.fcntl(errors, fcntl.F_SETFL, 0)
+os.dup2(errors, 2)
+sys.setswitchinterval(1000.0)
+thread.start()
+read, text = ctypes.PyDLL(None).read, ctypes.create_string_buffer(size)
+while b"without the GIL" not in text.raw:
+    read(output, text, size)
+
+transforms.set_transform(transform, "robot")
+thread.join()
+print(list(take_warnings().items()))
+"""
+
+MANY_WARNINGS = """
+import ctypes
+from flatland_viz.transform_warnings import print_warnings_once, take_warnings
+
+print_warnings_once()
+log = ctypes.CDLL("libconsole_bridge.so.1.0")._ZN14console_bridge3logEPKciNS_8LogLevelES1_z
+for number in range(10_000):
+    log(b"file", 1, 2, b"frame %d%s", number, b"x" * 100_000 if number == 0 else b"")
+taken = take_warnings()
+print(len(taken), sum(taken.values()), max(map(len, taken)), take_warnings())
+"""
+
+
+def output_of(program):
+    """The output of a program, and the lines of its log."""
+    command = [sys.executable, "-c", program]
+    run = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert run.returncode == 0, run.stderr
+    return run.stdout, run.stderr.splitlines()
+
+
+@pytest.mark.slow
+def test_threads_that_warn_with_and_without_the_gil_never_wait_for_each_other():
+    output, _ = output_of(BOTH_THREADS_WARN)
+    repeated = "TF_REPEATED_DATA ignoring data with redundant timestamp for frame base"
+    assert output == f"{[('a thread without the GIL', 1), (repeated, 1)]}\n"
+
+
+def test_texts_that_are_counted_are_limited_in_number_and_length():
+    output, log = output_of(MANY_WARNINGS)
+    assert output == "101 10000 500 {}\n"
+    assert len(log) == 101
+
+
+def test_a_warning_that_goes_on_is_reported_with_its_number():
+    warnings = TransformWarnings()
+    reports = [warnings.update({"odom": 19, "base": 1}, 100.0)[0]]
+    for second in range(1, 4):
+        reports.append(warnings.update({"odom": 100}, 100.0 + second)[0])
+    assert reports == [{}, {"odom": 119}, {"odom": 100}, {"odom": 100}]
 
 
 def test_a_warning_that_comes_no_more_has_ended():
-    warnings = TransformWarnings(lambda text, times: None)
-    warnings.note("old", -1e9)
-    warnings.note("new", 1e12)
-    assert warnings.expired() == ["old"]
-    assert warnings.expired() == []
+    warnings = TransformWarnings()
+    warnings.update({"old": 30}, 100.0)
+    assert warnings.update({"new": 30}, 109.0) == ({"new": 30}, [])
+    assert warnings.update({}, 111.0) == ({}, ["old"])
+    assert warnings.update({}, 112.0) == ({}, [])
