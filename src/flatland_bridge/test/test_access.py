@@ -10,6 +10,8 @@ import pytest
 from bridge_clients import Client, connect, running
 from websockets.exceptions import InvalidStatus
 
+from flatland_bridge.budget import Budgets
+from flatland_bridge.graph import Sample
 from flatland_bridge.outbox import MOST_MESSAGES, Stream
 from flatland_bridge.server import FOXGLOVE, ROSBRIDGE
 from flatland_bridge.websocket_server import Access
@@ -118,17 +120,18 @@ def test_too_many_clients_are_refused(server):
 
 
 def test_a_stream_keeps_the_newest_messages():
-    stream = Stream(encode=None, wake=lambda: None)
-    for number in range(10 * MOST_MESSAGES):
-        stream.receive(number)
+    samples = [Sample("/x", number, None, data=b"") for number in range(10 * MOST_MESSAGES)]
+    stream = Stream(encode=None, wake=lambda: None, budget=Budgets().open())
+    for sample in samples:
+        stream.receive(sample)
 
     first = stream.take(now=0.0)
 
-    assert first == 9 * MOST_MESSAGES
-    short = Stream(encode=None, wake=lambda: None, length=2)
-    for number in range(5):
-        short.receive(number)
-    assert (short.take(0.0), short.take(0.0), short.take(0.0)) == (3, 4, None)
+    assert first.nanoseconds == 9 * MOST_MESSAGES
+    short = Stream(encode=None, wake=lambda: None, budget=Budgets().open(), length=2)
+    for sample in samples[:5]:
+        short.receive(sample)
+    assert [short.take(0.0) for _ in range(3)] == [*samples[3:5], None]
 
 
 def digest(server, client):

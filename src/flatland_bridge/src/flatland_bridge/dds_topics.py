@@ -12,6 +12,7 @@ from cyclonedds.qos import Policy, Qos
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 
+from flatland_bridge.budget import Budgets
 from flatland_bridge.graph import BridgeError, Graph
 from flatland_bridge.outbox import Stream
 from flatland_server.exceptions import shortened
@@ -94,7 +95,8 @@ class Output:
         self._graph = graph
         self._topic = topic
         self._profile = profile
-        self._stream = Stream(lambda sample: (), wake, length=1 if profile.is_latched else None)
+        length = 1 if profile.is_latched else None
+        self._stream = Stream(lambda sample: (), wake, Budgets().open(), length=length)
         self._end: Optional[Callable[[], None]] = None
         self._mismatches = 0
 
@@ -133,10 +135,10 @@ class Output:
             sample = self._stream.take(time.monotonic())
             if sample is None:
                 return
-            if _CDR not in sample.encodings:
-                sample.encodings[_CDR] = self.writer.data_type.to_cdr(sample.data)
+            data_type = self.writer.data_type
             try:
-                self.writer.write(self.writer.data_type(sample.encodings[_CDR]))
+                cdr = sample.encoded(_CDR, lambda sample: data_type.to_cdr(sample.data))
+                self.writer.write(data_type(cdr))
             except DDSException as error:  # lost: what waits for slow subscribers is too large
                 logger.debug("%s: %s", self._topic, error)
 

@@ -6,13 +6,17 @@ with `ros1msg` schemas; clients may also send JSON.
 
 import asyncio
 import itertools
+import logging
 import struct
 import uuid
 from concurrent.futures import Executor
-from typing import Any, Callable, Dict, List, Mapping, Set, Tuple
+from functools import partial
+from typing import Any, Callable, Dict, List, Mapping, Tuple
 
 import orjson
 
+from flatland_bridge.budget import ENTRY, Budget
+from flatland_bridge.client_calls import ClientCalls
 from flatland_bridge.graph import BridgeError, Graph, Sample
 from flatland_bridge.outbox import Data, Outbox, Send, Stream
 from flatland_bridge.plain_form import from_plain, to_plain
@@ -21,6 +25,8 @@ from flatland_server.exceptions import FlatlandError, MessageError, shortened
 from flatland_server.messages.message_types import get
 from flatland_server.messages.wire_form import serialized
 from flatland_server.transport.local_transport import absolute_name
+
+logger = logging.getLogger(__name__)
 
 SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
 """Equal in all that is used here."""
@@ -34,8 +40,6 @@ _TOPICS_PERIOD = 0.2
 """Real time between two looks for new topics [s]."""
 _MOST_TOPICS = 500
 """Topics that a client may subscribe to, or publish."""
-_MOST_CALLS = 50
-"""Calls of services that may go on for a client at the same time."""
 
 _SESSION_ID = uuid.uuid4().hex
 
@@ -48,18 +52,19 @@ class FoxgloveSession:
     Args:
         graph: the topics and services.
         pool: calls services, which takes time.
+        budget: counts all that is kept for the client.
     """
 
-    def __init__(self, graph: Graph, pool: Executor) -> None:
+    def __init__(self, graph: Graph, pool: Executor, budget: Budget) -> None:
         self._graph = graph
-        self._pool = pool
-        self._outbox = Outbox()
+        self._budget = budget
+        self._outbox = Outbox(budget, pool)
+        self._calls = ClientCalls(pool, budget, self._outbox)
         self._numbers = itertools.count(1)
         self._channels: Dict[int, Tuple[str, str]] = {}  # topics and types, by number
         self._services: Dict[int, str] = {}
         self._subscriptions: Dict[int, Tuple[int, Callable[[], None]]] = {}  # channel, end
         self._client_channels: Dict[int, Tuple[str, Any, str]] = {}  # topic, class, encoding
-        self._calls: Set[asyncio.Task[None]] = set()
         self._operations: Dict[Any, Callable[[Message], None]] = {
             "subscribe": self._subscribe,
             "unsubscribe": self._unsubscribe,
@@ -94,32 +99,32 @@ class FoxgloveSession:
                 raise BridgeError(f'there is no operation "{shortened(str(operation))}"')
             self._operations[operation](message)
         except FlatlandError as error:
-            self._send({"op": "status", "level": _ERROR, "message": str(error)})
+            self._outbox.reply(self.status(str(error)))
         except (KeyError, TypeError, ValueError, struct.error) as error:
             text = f"a message that does not follow the protocol: {shortened(repr(error))}"
-            self._send({"op": "status", "level": _ERROR, "message": text})
+            self._outbox.reply(self.status(text))
 
     async def run(self, send: Send) -> None:
         """Sends messages, and tells the client of new topics and services, for ever."""
         sending = asyncio.ensure_future(self._outbox.send_all(send))
         try:
-            while True:
-                await asyncio.wait([sending], timeout=_TOPICS_PERIOD)
-                if sending.done():
-                    return
+            while not (await asyncio.wait([sending], timeout=_TOPICS_PERIOD))[0]:
                 self._follow_graph()
                 self._outbox.reply(struct.pack("<BQ", _TIME, self._graph.nanoseconds))
-        except ConnectionError:  # the client does not read: what waits is dropped with it
-            sending.cancel()
+            await sending
         finally:
             sending.cancel()
+
+    def status(self, text: str) -> Data:
+        """A message that tells the client of an error."""
+        return orjson.dumps({"op": "status", "level": _ERROR, "message": text}).decode()
 
     def close(self) -> None:
         """Ends all that the client has begun."""
         for _, end in self._subscriptions.values():
             end()
-        for task in self._calls:
-            task.cancel()
+        self._outbox.close_all()
+        self._calls.close()
 
     # What there is
 
@@ -154,27 +159,36 @@ class FoxgloveSession:
             key, channel = each["id"], each["channelId"]
             if channel not in self._channels:
                 raise BridgeError(f"there is no channel {shortened(str(channel))}")
-            if not (isinstance(key, int) and 0 <= key < 2**32) or key in self._subscriptions:
+            if not _is_number(key) or key in self._subscriptions:
                 raise BridgeError(f"a subscription of the id {shortened(str(key))} is not possible")
             if len(self._subscriptions) >= _MOST_TOPICS:
                 raise BridgeError(f"a client may subscribe to {_MOST_TOPICS} topics")
-            stream = Stream(_encoder(key), self._outbox.wake)
-            self._outbox.streams[key] = stream
-            end = self._graph.subscribe(self._channels[channel][0], stream.receive)
+            stream = Stream(_encoder(key), self._outbox.wake, self._budget, self._report)
+            topic = self._channels[channel][0]
+            end = self._graph.subscribe(topic, stream.receive, self._budget)
+            self._outbox.open(key, stream)
             self._subscriptions[key] = channel, end
+            self._budget.hold(ENTRY)
 
     def _unsubscribe(self, message: Message) -> None:
         for key in message["subscriptionIds"]:
             self._end(key)
 
     def _end(self, key: int) -> None:
-        self._outbox.streams.pop(key, None)
-        _, end = self._subscriptions.pop(key, (0, lambda: None))
-        end()
+        self._outbox.close(key)
+        subscription = self._subscriptions.pop(key, None)
+        if subscription is not None:
+            self._budget.hold(-ENTRY)
+            subscription[1]()
+
+    def _report(self, text: str) -> None:
+        self._outbox.reply(self.status(text))
 
     def _advertise(self, message: Message) -> None:
         for each in message["channels"]:
-            topic, encoding = str(each["topic"]), each["encoding"]
+            key, topic, encoding = each["id"], str(each["topic"]), each["encoding"]
+            if not _is_number(key):
+                raise BridgeError(f"a channel of the id {shortened(str(key))} is not possible")
             if not is_topic(topic):
                 raise BridgeError(f'expected the name of a topic, found "{shortened(topic)}"')
             if encoding not in (_JSON, _ROS1):
@@ -183,12 +197,15 @@ class FoxgloveSession:
                 raise BridgeError(f"a client may advertise {_MOST_TOPICS} topics")
             kind = get(str(each["schemaName"]).replace("/msg/", "/"))
             topic = absolute_name(topic)
-            self._client_channels[each["id"]] = topic, kind, encoding
+            self._unadvertise({"channelIds": [key]})
+            self._client_channels[key] = topic, kind, encoding
+            self._budget.hold(ENTRY)
             self._graph.advertise(topic, kind)
 
     def _unadvertise(self, message: Message) -> None:
         for number in message["channelIds"]:
-            self._client_channels.pop(number, None)
+            if self._client_channels.pop(number, None) is not None:
+                self._budget.hold(-ENTRY)
 
     # Binary messages
 
@@ -198,45 +215,51 @@ class FoxgloveSession:
             if number not in self._client_channels:
                 raise BridgeError(f"channel {number} is not advertised")
             topic, kind, encoding = self._client_channels[number]
-            self._graph.publish(topic, _message(kind, encoding, data[5:]))
+            self._graph.publish(topic, _message(kind, encoding, data[5:]), self._budget)
         elif code == _SERVICE_REQUEST:
             call, length = struct.unpack_from("<II", data, 5)
             encoding = data[13 : 13 + length].decode()
-            if len(self._calls) >= _MOST_CALLS:
-                self._fail(number, call, f"a client may make {_MOST_CALLS} calls at a time")
-                return
-            answer = self._call(number, call, encoding, data[13 + length :])
-            task = asyncio.get_running_loop().create_task(answer)
-            self._calls.add(task)
-            task.add_done_callback(self._calls.discard)
+            answer = partial(self._answer, number, call, encoding, data[13 + length :])
+            try:
+                self._calls.add(len(data), answer)
+            except BridgeError as error:
+                self._send(_failure(number, call, str(error)))
         else:
             raise BridgeError(f"there is no binary operation {code}")
 
-    async def _call(self, number: int, call: int, encoding: str, data: bytes) -> None:
-        loop = asyncio.get_running_loop()
+    def _answer(self, number: int, call: int, encoding: str, data: bytes) -> List[Data]:
+        """Calls a service. Returns the response; on a thread of the pool."""
+        name = self._services.get(number, "")
         try:
-            name = self._services.get(number, "")
-            payload = await loop.run_in_executor(self._pool, self._answer, name, encoding, data)
+            kind = self._graph.service_type(name)
+            response = self._graph.call(name, _message(kind.request, encoding, data))
+            if encoding == _JSON:
+                plain = to_plain(response)
+                payload = bytes(orjson.dumps(plain, option=orjson.OPT_SERIALIZE_NUMPY))
+            else:
+                payload = serialized(response)
         except FlatlandError as error:
-            self._fail(number, call, str(error))
-        else:
-            head = struct.pack("<BIII", _SERVICE_RESPONSE, number, call, len(encoding))
-            self._outbox.reply(head + encoding.encode() + payload)
-
-    def _answer(self, name: str, encoding: str, data: bytes) -> bytes:
-        """The serialized response of a service; on a thread of the pool."""
-        kind = self._graph.service_type(name)
-        response = self._graph.call(name, _message(kind.request, encoding, data))
-        if encoding == _JSON:
-            return bytes(orjson.dumps(to_plain(response), option=orjson.OPT_SERIALIZE_NUMPY))
-        return serialized(response)
-
-    def _fail(self, number: int, call: int, text: str) -> None:
-        failure = {"op": "serviceCallFailure", "serviceId": number, "callId": call}
-        self._send({**failure, "message": text})
+            return [orjson.dumps(_failure(number, call, str(error))).decode()]
+        except Exception as error:  # the client would wait for ever
+            logger.exception("%s has failed", name)
+            text = f"{name} has failed: {shortened(repr(error))}"
+            return [orjson.dumps(_failure(number, call, text)).decode()]
+        head = struct.pack("<BIII", _SERVICE_RESPONSE, number, call, len(encoding))
+        return [head + encoding.encode() + payload]
 
     def _send(self, message: Message) -> None:
         self._outbox.reply(orjson.dumps(message).decode())
+
+
+def _is_number(key: Any) -> bool:
+    """True for an id that binary messages can have."""
+    return isinstance(key, int) and 0 <= key < 2**32
+
+
+def _failure(number: int, call: int, text: str) -> Dict[str, Any]:
+    """The answer to a call that has failed."""
+    failure = {"op": "serviceCallFailure", "serviceId": number, "callId": call}
+    return {**failure, "message": text}
 
 
 def _encoder(key: int) -> Callable[[Sample], List[Data]]:

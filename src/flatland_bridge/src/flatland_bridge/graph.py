@@ -1,9 +1,13 @@
 """The interface between protocols and what they show: topics and services, from any thread."""
 
+import threading
 from abc import ABC, abstractmethod
+from collections import deque
 from functools import cached_property
-from typing import Any, Callable, Dict, FrozenSet, NamedTuple, Optional
+from typing import Any, Callable, Deque, Dict, FrozenSet, NamedTuple, Optional, Tuple
 
+from flatland_bridge.budget import Budget
+from flatland_bridge.message_size import size_of
 from flatland_server.exceptions import FlatlandError, suggestion
 from flatland_server.messages.service_types import ServiceType
 from flatland_server.messages.wire_form import serialized
@@ -25,6 +29,42 @@ def require_type(topic: str, expected: Optional[str], message: Any) -> None:
         raise BridgeError(f'the topic "{topic}" expects {expected}, found {message._type}')
 
 
+class Encodings:
+    """The latest encodings of messages, each of which is made once for all clients.
+
+    Args:
+        limit: bytes that are kept.
+    """
+
+    def __init__(self, limit: int) -> None:
+        self._limit = limit
+        self._size = 0
+        self._latest: Deque[Tuple[Dict[str, bytes], str]] = deque()
+        self._lock = threading.Lock()
+
+    def keep(self, encodings: Dict[str, bytes], name: str, data: bytes) -> None:
+        """Keeps an encoding of a message, in place of the oldest ones.
+
+        Args:
+            encodings: of the message.
+            name: of the encoding.
+            data: the encoded message.
+        """
+        with self._lock:
+            if len(data) > self._limit or name in encodings:
+                return
+            encodings[name] = data
+            self._latest.append((encodings, name))
+            self._size += len(data) + _ENTRY
+            while self._size > self._limit:
+                others, other = self._latest.popleft()
+                self._size -= len(others.pop(other)) + _ENTRY
+
+
+_ENTRY = 1000
+_KEPT = Encodings(4_000_000)
+
+
 class Sample:
     """A message of a topic, converted once for all clients.
 
@@ -34,6 +74,7 @@ class Sample:
         message_type: the class of the message.
         message: the message, which may be serialized in advance; or None.
         data: the serialized message, if there is no message.
+        is_latched: whether it is kept anyway, for new subscribers.
     """
 
     def __init__(
@@ -43,16 +84,17 @@ class Sample:
         message_type: Any,
         message: Optional[Any] = None,
         data: Optional[bytes] = None,
+        is_latched: bool = False,
     ) -> None:
         self.topic = topic
         self.nanoseconds = nanoseconds
         self.message_type = message_type
+        self.is_latched = is_latched
         self._message = message
         self._data = data
-        self.encodings: Dict[str, bytes] = {}
-        """The bytes that protocols send, by the names of their encodings."""
+        self._encodings: Dict[str, bytes] = {}
 
-    @cached_property
+    @property
     def message(self) -> Any:
         """The message with all of its fields."""
         # One that is serialized in advance, or when it is sent, has no fields.
@@ -60,10 +102,34 @@ class Sample:
             return self._message
         return self.message_type().deserialize(self.data)
 
-    @cached_property
+    @property
     def data(self) -> bytes:
         """The serialized message."""
-        return serialized(self._message) if self._data is None else self._data
+        if self._data is not None:
+            return self._data
+        return self.encoded("ros1", lambda sample: serialized(sample._message))
+
+    def encoded(self, name: str, encode: Callable[["Sample"], bytes]) -> bytes:
+        """The bytes that a protocol sends.
+
+        Args:
+            name: of the encoding.
+            encode: makes them.
+        """
+        data = self._encodings.get(name)
+        if data is None:
+            data = encode(self)
+            _KEPT.keep(self._encodings, name, data)
+        return data
+
+    @cached_property
+    def size(self) -> int:
+        """The memory that it takes while it waits, roughly [bytes]."""
+        if self._data is not None:
+            return _ENTRY + len(self._data)
+        if type(self._message) is self.message_type:
+            return _ENTRY + size_of(self._message)
+        return _ENTRY + len(getattr(self._message, "_data", b""))
 
 
 Receive = Callable[[Sample], None]
@@ -108,12 +174,15 @@ class Graph(ABC):
         """Simulated time [ns]."""
 
     @abstractmethod
-    def subscribe(self, topic: str, receive: Receive) -> Callable[[], None]:
+    def subscribe(
+        self, topic: str, receive: Receive, client: Optional[Budget] = None
+    ) -> Callable[[], None]:
         """Subscribes to a topic, which need not exist yet.
 
         Args:
             topic: its absolute name.
             receive: called with each message; first with the last one if the topic is latched.
+            client: has asked for it, and counts what waits until it is done.
 
         Returns:
             A function that ends the subscription.
@@ -128,12 +197,13 @@ class Graph(ABC):
         """
 
     @abstractmethod
-    def publish(self, topic: str, message: Any) -> None:
+    def publish(self, topic: str, message: Any, client: Optional[Budget] = None) -> None:
         """Publishes a message.
 
         Args:
             topic: its absolute name.
             message: of the topic's type.
+            client: as for `subscribe`.
 
         Raises:
             BridgeError: the topic has another type, or too many messages wait.

@@ -8,6 +8,8 @@ import rosgraph
 import rospy
 import rosservice
 
+from flatland_bridge.budget import Budget
+from flatland_bridge.client_calls import let_the_next_begin
 from flatland_bridge.graph import BridgeError, Graph, Receive, Sample, Topics, require_type
 from flatland_server.exceptions import MessageError
 from flatland_server.messages import service_types
@@ -63,7 +65,9 @@ class RosGraph(Graph):
     def nanoseconds(self) -> int:
         return int(rospy.get_rostime().to_nsec())
 
-    def subscribe(self, topic: str, receive: Receive) -> Callable[[], None]:
+    def subscribe(
+        self, topic: str, receive: Receive, client: Optional[Budget] = None
+    ) -> Callable[[], None]:
         with self._lock:
             subscription = self._subscriptions.get(topic)
             if subscription is None:
@@ -82,13 +86,14 @@ class RosGraph(Graph):
             if topic not in self._publishers:
                 self._publishers[topic] = rospy.Publisher(topic, message_type, queue_size=10)
 
-    def publish(self, topic: str, message: Any) -> None:
+    def publish(self, topic: str, message: Any, client: Optional[Budget] = None) -> None:
         require_type(topic, self._topics.types.get(topic), message)
         self.advertise(topic, type(message))
         self._publishers[topic].publish(message)
 
     def call(self, service: str, request: Any) -> Any:
         kind = self.service_type(service)
+        let_the_next_begin()  # it works elsewhere, and may wait there
         try:
             return rospy.ServiceProxy(service, kind.ros_class)(request)
         except (rospy.ROSException, rospy.ServiceException) as error:
@@ -143,9 +148,13 @@ class _Subscription:
             kind = get(header["type"])
         except MessageError:
             return
-        sample = Sample(self._topic, self._graph.nanoseconds, kind, data=message._buff)
+        is_latched = header.get("latching") == "1"
+        data = message._buff
+        sample = Sample(
+            self._topic, self._graph.nanoseconds, kind, data=data, is_latched=is_latched
+        )
         with self._lock:
-            if header.get("latching") == "1":
+            if is_latched:
                 self._latched[header["callerid"]] = sample
             for receive in self._receivers:
                 receive(sample)

@@ -67,9 +67,7 @@ def publisher(compression: str, fragment_size: Optional[int]) -> Callable[[Sampl
     """
 
     def publish(sample: Sample) -> List[Data]:
-        if compression not in sample.encodings:
-            sample.encodings[compression] = _ENCODERS[compression](sample)
-        data = sample.encodings[compression]
+        data = sample.encoded(compression, _ENCODERS[compression])
         if compression != "none":
             return [data]
         return list(_fragments(data.decode(), fragment_size))
