@@ -52,7 +52,8 @@ class Budget:
             self._budgets.count(self, size)
             is_over = size > 0 and self.held > self._budgets.limit
         if is_over:
-            self.exceed(f"it takes more than {self._budgets.limit} bytes (--client-memory)")
+            limit = self._budgets.limit
+            self.exceed(f"expected at most {limit} bytes for a client, found more (--client-memory)")
 
     def offer(self, size: int) -> bool:
         """Counts a message of a topic, if it fits; of any size if it is the only one.
@@ -96,15 +97,13 @@ class Budget:
         Args:
             reason: is told to it.
         """
-        with self._budgets.lock:
-            has_to_go, self.goes = not self.goes, True
-        if has_to_go:
+        if self._budgets.discount(self):
             self._on_excess(reason)
 
     def close(self) -> None:
         """Forgets the client: nothing is kept on its behalf any more."""
-        self.goes = True
-        self._budgets.close(self)
+        self._budgets.discount(self)
+        self._budgets.forget(self)
 
 
 class Budgets:
@@ -145,22 +144,31 @@ class Budgets:
             budget: of the client.
             size: how many more.
         """
-        if budget not in self._open:
+        if budget.goes:
             return
         self._total += size
         if size > 0 and self._total > self._most:
-            stays = [each for each in self._open if not each.goes]
-            if stays:
-                reason = f"all clients together take more than {self._most} bytes"
-                max(stays, key=lambda each: each.used).exceed(reason)
+            largest = max((each for each in self._open if not each.goes), key=lambda e: e.used)
+            largest.exceed(f"expected at most {self._most} bytes for all clients, found more")
 
-    def close(self, budget: Budget) -> None:
-        """Forgets a client.
+    def discount(self, budget: Budget) -> bool:
+        """Leaves out a client that goes. Returns whether it was counted.
 
         Args:
             budget: of the client.
         """
         with self.lock:
-            if budget in self._open:
-                self._open.remove(budget)
-                self._total -= budget.used
+            if budget.goes:
+                return False
+            budget.goes = True
+            self._total -= budget.used
+            return True
+
+    def forget(self, budget: Budget) -> None:
+        """Makes room for another client.
+
+        Args:
+            budget: of the one that is gone.
+        """
+        with self.lock:
+            self._open.discard(budget)

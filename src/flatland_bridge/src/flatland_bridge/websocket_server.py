@@ -297,9 +297,18 @@ async def _receive(connection: ServerConnection, session: Session, budget: Budge
 
 async def _dismiss(connection: ServerConnection, session: Session, reason: str) -> None:
     """Tells a client why it has to go, if it reads, and disconnects it."""
-    with suppress(ConnectionClosed, asyncio.TimeoutError):
-        await asyncio.wait_for(connection.send(session.status(reason)), _CLOSE_TIMEOUT)
-        await asyncio.wait_for(connection.close(_TOO_MUCH, reason), _CLOSE_TIMEOUT)
+
+    async def tell() -> None:
+        await connection.send(session.status(reason))
+        await connection.close(_TOO_MUCH, reason)
+
+    async def discard() -> None:  # up to its own goodbye
+        async for _ in connection:
+            pass
+
+    both = asyncio.gather(tell(), discard(), return_exceptions=True)
+    with suppress(asyncio.TimeoutError):
+        await asyncio.wait_for(both, _CLOSE_TIMEOUT)
     connection.transport.abort()
 
 
