@@ -1,6 +1,8 @@
 """The command `flatland serve`: arguments, output, ends."""
 
+import os
 import re
+import resource
 import signal
 import socket
 import subprocess
@@ -94,3 +96,26 @@ def test_clients_find_each_other_by_the_printed_address(serve):
     _, addresses = serve("--paused")
     Printed.clients.url = lambda name, scheme: addresses[name]
     assert Client(Printed).call("/step", steps=3)["values"]["time"]["nsecs"] == 15_000_000
+
+
+def test_it_outlives_a_lack_of_file_descriptors(serve):
+    process, addresses = serve("--paused")
+    port = int(re.search(r":(\d+)/", addresses["rosbridge"])[1])
+    few = len(os.listdir(f"/proc/{process.pid}/fd")) + 8
+    limits = resource.prlimit(process.pid, resource.RLIMIT_NOFILE, (few, few))
+    client = connect(addresses["rosbridge"])
+    held = [socket.create_connection(("127.0.0.1", port)) for _ in range(12)]
+    client.send('{"op": "call_service", "service": "/rosapi/nodes"}')
+    assert "service_response" in client.recv(timeout=20)
+    for each in held:
+        each.close()
+
+    late = connect(addresses["rosbridge"], open_timeout=20)
+
+    late.send('{"op": "call_service", "service": "/rosapi/nodes"}')
+    assert "service_response" in late.recv(timeout=20)
+    assert limits[0] > few
+    process.send_signal(signal.SIGINT)
+    assert process.wait(20) == 0
+    [line] = process.stderr.read().splitlines()
+    assert line.endswith("no further client can connect for now: [Errno 24] Too many open files")
