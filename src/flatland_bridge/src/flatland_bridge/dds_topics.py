@@ -96,7 +96,8 @@ class Output:
         self._topic = topic
         self._profile = profile
         length = 1 if profile.is_latched else None
-        self._stream = Stream(lambda sample: (), wake, Budgets().open(), length=length)
+        self._budget = Budgets().open()
+        self._stream = Stream(lambda sample: (), wake, self._budget, length=length)
         self._end: Optional[Callable[[], None]] = None
         self._mismatches = 0
 
@@ -109,7 +110,7 @@ class Output:
         has_readers = self.writer.get_publication_matched_status().current_count > 0
         if has_readers and self._end is None:
             with suppress(BridgeError):  # the simulation cannot keep up: later
-                self._end = self._graph.subscribe(self._topic, self._stream.receive)
+                self._end = self._graph.subscribe(self._topic, self._stream.receive, self._budget)
         elif self._end is not None and not has_readers:
             self.close()
             return not self._profile.is_latched
