@@ -12,7 +12,9 @@ from bridge_clients import Client
 from ros_processes import executable
 from running_server import ROBOT
 from test_foxglove import Viewer
+from test_greedy_clients import ask_until_closed, send_parts_of_messages
 from waiting import wait_until
+from websockets.exceptions import ConnectionClosed
 
 from flatland_bridge.server import ROSBRIDGE
 
@@ -88,3 +90,25 @@ def test_viewers_of_foxglove_do_too(bridge):
     assert struct.unpack_from("<I", viewer.receive_binary(1)) == (3,)
     answer = json.loads(viewer.call("/delete_model", "json", b'{"name": "robto"}'))
     assert not answer["success"]
+
+
+@pytest.mark.parametrize(
+    ("parameter", "expected"),
+    [("_token:=''", "token: expected one character"), ("_client_memory:=0", "expected 1 MB")],
+)
+def test_a_wrong_parameter_is_refused(master, parameter, expected):
+    command = [executable("flatland_bridge", "bridge"), "_port:=0", "_foxglove_port:=0", parameter]
+    environment = {**os.environ, "ROS_MASTER_URI": master.uri}
+    result = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60)
+
+    assert result.returncode == 1
+    assert expected in result.stdout + result.stderr
+
+
+def test_a_client_that_takes_too_much_is_told_and_disconnected(bridge):
+    greedy = Client(bridge)
+    with pytest.raises(ConnectionClosed) as closed:
+        ask_until_closed(greedy, lambda number: send_parts_of_messages(greedy, number), 200)
+
+    assert closed.value.rcvd.code == 1008
+    assert Client(bridge).call("/rosapi/nodes")["result"]

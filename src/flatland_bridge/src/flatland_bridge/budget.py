@@ -53,7 +53,9 @@ class Budget:
             is_over = size > 0 and self.held > self._budgets.limit
         if is_over:
             limit = self._budgets.limit
-            self.exceed(f"expected at most {limit} bytes for a client, found more (--client-memory)")
+            self.exceed(
+                f"expected at most {limit} bytes for a client, found more (--client-memory)"
+            )
 
     def offer(self, size: int) -> bool:
         """Counts a message of a topic, if it fits; of any size if it is the only one.

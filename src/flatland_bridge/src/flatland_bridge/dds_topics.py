@@ -13,7 +13,7 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 
 from flatland_bridge.budget import Budgets
-from flatland_bridge.graph import BridgeError, Graph
+from flatland_bridge.graph import BridgeError, Graph, Sample
 from flatland_bridge.outbox import Stream
 from flatland_server.exceptions import shortened
 
@@ -132,14 +132,17 @@ class Output:
 
     def send(self) -> None:
         """Sends what waits."""
+        data_type = self.writer.data_type
+
+        def encode(sample: Sample) -> bytes:
+            return bytes(data_type.to_cdr(sample.data))
+
         while True:
             sample = self._stream.take(time.monotonic())
             if sample is None:
                 return
-            data_type = self.writer.data_type
             try:
-                cdr = sample.encoded(_CDR, lambda sample: data_type.to_cdr(sample.data))
-                self.writer.write(data_type(cdr))
+                self.writer.write(data_type(sample.encoded(_CDR, encode)))
             except DDSException as error:  # lost: what waits for slow subscribers is too large
                 logger.debug("%s: %s", self._topic, error)
 

@@ -117,7 +117,7 @@ class FoxgloveSession:
 
     def status(self, text: str) -> Data:
         """A message that tells the client of an error."""
-        return orjson.dumps({"op": "status", "level": _ERROR, "message": text}).decode()
+        return str(orjson.dumps({"op": "status", "level": _ERROR, "message": text}), "utf-8")
 
     def close(self) -> None:
         """Ends all that the client has begun."""

@@ -34,7 +34,8 @@ def size_of(message: Any) -> int:
     Args:
         message: of a class of ROS or of ours. Fields with values of another type are left out.
     """
-    size, others = _sizes(type(message))
+    message_type: Any = type(message)
+    size, others = _sizes(message_type)
     for name, measure in others.items():
         with suppress(TypeError):
             size += measure(getattr(message, name))

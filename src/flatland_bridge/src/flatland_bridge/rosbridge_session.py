@@ -30,7 +30,7 @@ _MOST_TOPICS = 500
 _LARGEST = 64_000_000
 """Bytes that a message in fragments takes once it is decoded, at most."""
 _DECODED = {"{": 64, "[": 56, ",": 8, ".": 24}
-"""Bytes of a decoded object, array, reference and fraction, by a character that each of them has."""
+"""Bytes of a decoded object, array, reference and fraction, by a character that each has."""
 
 
 class Offered(NamedTuple):
@@ -79,9 +79,7 @@ class RosbridgeSession:
         budget: counts all that is kept for the client.
     """
 
-    def __init__(
-        self, graph: Graph, pool: Executor, providers: Providers, budget: Budget
-    ) -> None:
+    def __init__(self, graph: Graph, pool: Executor, providers: Providers, budget: Budget) -> None:
         self.budget = budget
         self._graph = graph
         self._outbox = Outbox(budget, pool)

@@ -33,8 +33,8 @@ from flatland_server.serving.state_services import StateServices
 from flatland_server.serving.wall_visualization import WallVisualization
 from flatland_server.serving.world_saving import WorldSaving
 from flatland_server.simulation.simulation_manager import SimulationManager
-from flatland_server.transport.serialized_transforms import TransformQueue
 from flatland_server.simulation.world import World
+from flatland_server.transport.serialized_transforms import TransformQueue
 from flatland_server.transport.tap import Tap
 
 logger = logging.getLogger(__name__)
@@ -92,7 +92,9 @@ class SimulatedGraph(Graph, Tap):
         ModelServices(world, self._host, files, edits)
         StateServices(manager, self._host, files, _CONTROL_PERIOD)
         WorldSaving(manager, self._host, files, edits)
-        standard = SimulationInterfaces(manager, self._host, self._host.actions, edits, files.worlds)
+        standard = SimulationInterfaces(
+            manager, self._host, self._host.actions, edits, files.worlds
+        )
         for name, (kind, action) in standard.actions.items():
             self._host.add(name, kind, action)
         self._topics_timer = RealTimeTimer(_TOPICS_PERIOD)

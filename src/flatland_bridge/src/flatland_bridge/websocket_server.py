@@ -11,7 +11,18 @@ from dataclasses import dataclass
 from functools import partial
 from http import HTTPStatus
 from pathlib import Path
-from typing import Any, Callable, ClassVar, Dict, NamedTuple, Optional, Protocol, Sequence, Set
+from typing import (
+    Any,
+    Callable,
+    ClassVar,
+    Dict,
+    List,
+    NamedTuple,
+    Optional,
+    Protocol,
+    Sequence,
+    Set,
+)
 from urllib.parse import parse_qs, quote, urlsplit
 
 from websockets.asyncio.server import ServerConnection, serve
@@ -160,7 +171,7 @@ class WebSocketServer:
     def __init__(
         self,
         endpoints: Sequence[Endpoint],
-        access: Access = Access(),  # noqa: B008 (immutable)
+        access: Access = Access(),
         client_memory: int = CLIENT_MEMORY,
     ) -> None:
         self._access = access
@@ -265,12 +276,13 @@ class WebSocketServer:
         except BaseException:
             budget.close()
             raise
-        tasks = [
-            asyncio.ensure_future(each)
-            for each in (_receive(connection, session, budget), session.run(connection.send))
+        tasks: List[asyncio.Future[None]] = [
+            asyncio.ensure_future(_receive(connection, session, budget)),
+            asyncio.ensure_future(session.run(connection.send)),
         ]
         try:
-            await asyncio.wait([excess, *tasks], return_when=asyncio.FIRST_COMPLETED)
+            ends: List[asyncio.Future[Any]] = [excess, *tasks]
+            await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
         finally:
             session.close()
             for task in tasks:
@@ -312,7 +324,7 @@ async def _dismiss(connection: ServerConnection, session: Session, reason: str) 
     connection.transport.abort()
 
 
-class _Connection(ServerConnection):
+class _Connection(ServerConnection):  # type: ignore[misc]
     """A connection with limits for what comes before and besides messages."""
 
     _all: ClassVar[Set[ServerConnection]] = set()
