@@ -72,6 +72,11 @@ def send_parts_of_messages(client, number):
     client.send("fragment", id=str(number), num=0, total=2, data=LONG)
 
 
+def offer_services(client, number):
+    for index in range(200):
+        client.send("advertise_service", service=f"/s{number}/s{index}", type="std_srvs/Empty")
+
+
 def call_a_service_that_never_answers(client, number):
     client.send("call_service", service="/never", args={"data": LONG})
 
@@ -85,6 +90,7 @@ def make_calls_that_wait(client, number):
     [
         subscribe_under_long_ids,
         send_parts_of_messages,
+        offer_services,
         call_a_service_that_never_answers,
         make_calls_that_wait,
     ],
@@ -179,6 +185,17 @@ def test_what_does_not_fit_is_dropped_except_for_latched_messages():
     maps.receive(sample(103, 90_000))
     assert maps.take(0.0).nanoseconds == 103  # the only one may have any size
     assert budget.used == 0
+
+
+def test_a_message_may_be_dropped_while_it_is_looked_at():
+    budget = Budgets(10_000).open()
+    stream, other = (Stream(None, lambda: None, budget) for _ in range(2))
+    other.receive(sample(0, 500))
+    stream.receive(sample(1, 500))
+    delay = stream.delay
+    stream.delay = lambda now: (delay(now), stream.receive(sample(2, 90_000)))[0]
+
+    assert stream.take(0.0) is None
 
 
 def test_nothing_is_kept_for_a_stream_that_is_closed():

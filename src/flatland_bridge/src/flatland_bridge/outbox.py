@@ -89,9 +89,11 @@ class Stream:
 
     def take(self, now: float) -> Optional[Sample]:
         """The next message, if there is one that may be sent now."""
-        if not self._waiting or self.delay(now) > 0.0:
+        if self.delay(now) > 0.0:
             return None
         with self._lock:
+            if not self._waiting:  # a newer one that did not fit has made room
+                return None
             sample = self._drop()
         if not self._drops_early:
             self._due = now + self._throttle

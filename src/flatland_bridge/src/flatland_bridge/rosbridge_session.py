@@ -29,6 +29,8 @@ _MOST_TOPICS = 500
 """Topics that a client may subscribe to."""
 _LARGEST = 64_000_000
 """Bytes that a message in fragments takes once it is decoded, at most."""
+_OF_ANSWERS = ("id", "service", "compression", "fragment_size")
+"""Fields of a call that its answer depends on."""
 _DECODED = {"{": 64, "[": 56, ",": 8, ".": 24}
 """Bytes of a decoded object, array, reference and fraction, by a character that each has."""
 
@@ -126,6 +128,8 @@ class RosbridgeSession:
             self._operations[operation](message)
         except FlatlandError as error:
             self._status("error", str(error), message if isinstance(message, dict) else {})
+        finally:
+            self._data = ""
 
     async def run(self, send: Send) -> None:
         """Sends messages for ever."""
@@ -142,7 +146,7 @@ class RosbridgeSession:
             end()
         providers = self._providers
         for name in [name for name, each in providers.sessions.items() if each is self]:
-            del providers.sessions[name]
+            self._withdraw(name)
         for number, call in list(providers.calls.items()):
             if self in (call.caller, call.provider):
                 providers.end_call(number)
@@ -246,7 +250,7 @@ class RosbridgeSession:
             _whole(message, "fragment_size", None)
             if provider is None:
                 # Its arguments may be many times larger than its text: they are read in its turn.
-                self._calls.add(len(self._data), partial(self._answer, name, self._data))
+                self._calls.add(sys.getsizeof(self._data), partial(self._answer, name, self._data))
             else:
                 self._call_provider(name, provider, message)
         except BridgeError as error:
@@ -257,9 +261,9 @@ class RosbridgeSession:
         if sum(each.caller is self for each in calls.values()) >= MOST_CALLS:
             raise BridgeError(f"a client may make {MOST_CALLS} calls at a time")
         number = str(next(self._providers.numbers))
-        size = len(self._data) + ENTRY
+        size = sys.getsizeof(self._data) + ENTRY
         self.budget.hold(size)
-        slim = {key: value for key, value in message.items() if key != "args"}
+        slim = {key: message[key] for key in _OF_ANSWERS if key in message}
         calls[number] = Offered(self, slim, provider, size)
         call = {"op": "call_service", "id": number, "service": name}
         for data in encoded({**call, "args": message.get("args", {})}, "none", None):
@@ -292,13 +296,20 @@ class RosbridgeSession:
         name = _name(message, "service")
         if name in self._graph.services or name in self._rosapi.services:
             raise BridgeError(f'there is a service "{name}" already')
-        if self._providers.sessions.setdefault(name, self) is not self:
+        if self._providers.sessions.get(name, self) is not self:
             raise BridgeError(f'another client offers the service "{name}"')
+        self._withdraw(name)
+        self._providers.sessions[name] = self
+        self.budget.hold(_size(name))
 
     def _unadvertise_service(self, message: Message) -> None:
-        name = _name(message, "service")
+        self._withdraw(_name(message, "service"))
+
+    def _withdraw(self, name: str) -> None:
+        """Offers a service no longer, if it is the client's."""
         if self._providers.sessions.get(name) is self:
             del self._providers.sessions[name]
+            self.budget.hold(-_size(name))
 
     def _service_response(self, message: Message) -> None:
         number = str(message.get("id"))
