@@ -97,7 +97,8 @@ def test_viewers_of_foxglove_do_too(bridge):
     [("_token:=''", "token: expected one character"), ("_client_memory:=0", "expected 1 MB")],
 )
 def test_a_wrong_parameter_is_refused(master, parameter, expected):
-    command = [executable("flatland_bridge", "bridge"), "_port:=0", "_foxglove_port:=0", parameter]
+    name = f"__name:=bridge{len(expected)}"  # parameters stay
+    command = [executable("flatland_bridge", "bridge"), "_port:=0", name, parameter]
     environment = {**os.environ, "ROS_MASTER_URI": master.uri}
     result = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60)
 

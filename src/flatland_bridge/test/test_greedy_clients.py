@@ -338,30 +338,30 @@ class Name(str):
         return str.__hash__(self)
 
 
-def test_topics_are_left_while_the_simulation_looks_at_them(server):
-    """Another thread unsubscribes exactly while the topics with subscribers are gathered."""
+def test_subscribers_come_and_go_while_the_simulation_looks_at_them(server):
+    """Another thread subscribes and leaves exactly while the subscribed topics are gathered."""
     graph, transport = server.graph, server.transport
-    name = Name("/scan")
-    graph.subscribe(name, lambda message: None)
-    ends = [graph.subscribe(f"/t{number}", lambda message: None) for number in range(20)]
-    transport.call(lambda: None)
-    others = []
-
-    def leave():
-        if threading.current_thread() is simulation and ends:
-            other = threading.Thread(target=lambda: [ends.pop()() for _ in list(ends)])
-            others.append(other)
-            other.start()
-            other.join(0.2)
-
     simulation = transport.call(threading.current_thread)
-    name.action = leave
+    name, others = Name("/scan"), []
+    graph.subscribe(name, lambda message: None)
+    transport.call(lambda: None)
+
+    def come_and_go():
+        for number in range(20):
+            graph.subscribe(f"/t{number}", lambda message: None)()
+
+    def interrupt():
+        if threading.current_thread() is simulation:
+            others.append(threading.Thread(target=come_and_go))
+            others[-1].start()
+            others[-1].join(0.2)
+
+    name.action = interrupt
     transport.call(graph._follow_subscribers)
     name.action = None
+    come_and_go()
     for other in others:
         other.join()
-    for end in ends:
-        end()
     transport.call(graph._follow_subscribers)
 
     assert graph._wanted == {"/scan"}
@@ -394,6 +394,8 @@ def test_a_client_that_floods_the_simulation_is_refused_alone(server, client):
 
     other.send("publish", topic="/cmd_vel", msg={"linear": {"x": 0.5}})
     other.send("call_service", id="pause", service="/pause")
+    other.send("publish", topic="/nowhere", msg={})
+    assert 'no topic "/nowhere"' in other.receive()["msg"]
     goes_on.set()
 
     assert other.receive()["id"] == "pause"
