@@ -162,6 +162,24 @@ def test_large_maps_reach_a_client_that_reads(world):
         assert client.call("/rosapi/nodes")["result"]
 
 
+@pytest.mark.slow
+def test_the_server_ends_though_a_client_does_not_read(world):
+    with running(world, is_paused=True) as server:
+        client, each = Client(server), stalled(server)
+        client.send("advertise", topic="/text", type="std_msgs/String")
+        each.subscribed("/text")
+        for _ in range(30):
+            client.send("publish", topic="/text", msg={"data": LONG})
+        client.call("/pause")
+        [budget] = [each for each in server.clients._budgets._open if each.waiting]
+        wait_until(lambda: budget.sending, "the socket to be full")
+        ends = threading.Thread(target=server.close, daemon=True)
+        ends.start()
+        ends.join(10)
+
+        assert not ends.is_alive()
+
+
 def sample(number, size, *, is_latched=False):
     return Sample("/x", number, None, data=bytes(size), is_latched=is_latched)
 

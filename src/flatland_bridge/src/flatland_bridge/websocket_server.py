@@ -221,6 +221,8 @@ class WebSocketServer:
                 ports[endpoint.name] = server.sockets[0].getsockname()[1]
             started.set_result(ports)
             await self._ending.wait()
+            # Clients that do not read would hold up the end until they time out.
+            self._loop.call_later(_CLOSE_TIMEOUT, _Connection.abort_all, self._loop)
 
     def _open(self, endpoint: Endpoint) -> serve:
         return serve(
@@ -337,6 +339,13 @@ class _Connection(ServerConnection):  # type: ignore[misc]
         limited.max_size = _LARGEST_READ
         if len(self._all) > _MOST_CONNECTIONS:
             self.transport.abort()
+
+    @classmethod
+    def abort_all(cls, loop: asyncio.AbstractEventLoop) -> None:
+        """Ends all connections of a loop."""
+        for each in list(cls._all):
+            if each.loop is loop:
+                each.transport.abort()
 
     def connection_lost(self, exc: Optional[Exception]) -> None:
         self._all.discard(self)
