@@ -108,7 +108,7 @@ def test_a_client_that_takes_too_much_is_told_and_disconnected(server, client, a
     assert closed.value.rcvd.code == 1008
     assert "--client-memory" in closed.value.rcvd.reason
     goes_on.set()
-    wait_until(lambda: server.clients._budgets._total < 10_000, "the memory to be free")
+    wait_until(lambda: server.clients._budgets.total < 10_000, "the memory to be free")
     assert client.call("/rosapi/nodes")["result"]
     assert provider.call("/rosapi/nodes")["result"]
 
@@ -235,10 +235,10 @@ def test_of_all_clients_the_one_with_the_most_has_to_go():
 
     assert list(reasons) == [3]
     assert "all clients" in reasons[3]
-    assert budgets._total == 16 * 950
+    assert budgets.total == 16 * 950
     clients[3].close()
     clients[4].close()
-    assert (budgets._total, len(budgets)) == (15 * 950, 15)
+    assert (budgets.total, len(budgets)) == (15 * 950, 15)
 
 
 def test_answers_to_pings_that_are_not_read_are_limited(server):

@@ -81,7 +81,8 @@ class Budget:
         """
         with self._budgets.lock:
             self.waiting -= size
-            self._budgets.count(self, -size)
+            if not self.goes:
+                self._budgets.total -= size
 
     def send(self, size: int) -> None:
         """Counts something on its way.
@@ -116,13 +117,14 @@ class Budgets:
 
     Attributes:
         lock: of all counters.
+        total: bytes of all clients that stay.
     """
 
     def __init__(self, limit: float = CLIENT_MEMORY) -> None:
         self.limit = limit
         self.lock = threading.RLock()
         self._most = limit * _FULL_BUDGETS
-        self._total = 0
+        self.total = 0
         self._open: Set[Budget] = set()
 
     def __len__(self) -> int:
@@ -148,8 +150,8 @@ class Budgets:
         """
         if budget.goes:
             return
-        self._total += size
-        if size > 0 and self._total > self._most:
+        self.total += size
+        if size > 0 and self.total > self._most:
             largest = max((each for each in self._open if not each.goes), key=lambda e: e.used)
             largest.exceed(f"expected at most {self._most} bytes for all clients, found more")
 
@@ -163,7 +165,7 @@ class Budgets:
             if budget.goes:
                 return False
             budget.goes = True
-            self._total -= budget.used
+            self.total -= budget.used
             return True
 
     def forget(self, budget: Budget) -> None:

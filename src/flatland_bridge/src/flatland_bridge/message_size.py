@@ -1,13 +1,14 @@
 """The memory that messages take, by their types: what is the same in each is added up once."""
 
 import sys
-from contextlib import suppress
 from functools import lru_cache
-from typing import Any, Callable, Dict, NamedTuple
+from operator import attrgetter
+from typing import Any, Callable, List, NamedTuple, Tuple
 
 import numpy as np
 
 from flatland_bridge.plain_form import parse_type
+from flatland_server.messages.definition import NUMBERS
 from flatland_server.messages.message_types import get
 
 _OBJECT, _NUMBER, _POINTER = 56, 32, 8
@@ -21,11 +22,11 @@ class _Sizes(NamedTuple):
 
     Attributes:
         fixed: bytes of each message.
-        others: measure the further bytes of the fields that have some, by the fields' names.
+        others: measure the further bytes of the fields that have some, by the paths of the fields.
     """
 
     fixed: int
-    others: Dict[str, Measure]
+    others: List[Tuple[str, Measure]]
 
 
 def size_of(message: Any) -> int:
@@ -35,29 +36,37 @@ def size_of(message: Any) -> int:
         message: of a class of ROS or of ours. Fields with values of another type are left out.
     """
     message_type: Any = type(message)
-    size, others = _sizes(message_type)
-    for name, measure in others.items():
-        with suppress(TypeError):
-            size += measure(getattr(message, name))
+    size, others = _getters(message_type)
+    try:
+        for value, measure in others:
+            size += measure(value(message))
+    except TypeError:  # it cannot be sent either
+        pass
     return size
 
 
 @lru_cache(maxsize=None)
+def _getters(message_type: Any) -> Tuple[int, List[Tuple[Callable[[Any], Any], Measure]]]:
+    fixed, others = _sizes(message_type)
+    return fixed, [(attrgetter(path), measure) for path, measure in others]
+
+
+@lru_cache(maxsize=None)
 def _sizes(message_type: Any) -> _Sizes:
-    fixed, others = _OBJECT, {}
+    fixed, others = _OBJECT, []
     for name, text in zip(message_type.__slots__, message_type._slot_types):
         kind = parse_type(text)
         fixed += _POINTER
-        if kind.is_array:
-            others[name] = _array_measure(kind.base)
+        if kind.is_array and kind.length is not None and kind.base in NUMBERS:
+            fixed += _OBJECT + kind.length * (_POINTER + _NUMBER)
+        elif kind.is_array:
+            others.append((name, _array_measure(kind.base)))
         elif kind.base == "string":
-            others[name] = sys.getsizeof
+            others.append((name, sys.getsizeof))
         elif "/" in kind.base:
             nested = _sizes(get(kind.base))
-            if nested.others:
-                others[name] = size_of
-            else:
-                fixed += nested.fixed
+            fixed += nested.fixed
+            others += [(f"{name}.{path}", measure) for path, measure in nested.others]
         else:  # a time has two numbers
             fixed += _OBJECT + 2 * _NUMBER if kind.base in ("time", "duration") else _NUMBER
     return _Sizes(fixed, others)

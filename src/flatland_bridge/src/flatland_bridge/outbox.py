@@ -24,6 +24,9 @@ MOST_MESSAGES = 100
 _ENTRY = 100
 """Bytes of a reply, besides its content."""
 
+_TURN = 0.005
+"""Real time for which a client's messages are sent before it is the others' turn [s]."""
+
 _LARGE = 100_000
 """Bytes of messages that are encoded on another thread, while other clients are answered."""
 
@@ -207,7 +210,7 @@ class Outbox:
             await self._wait()
             self._event.clear()
             self._is_awake = False
-            is_sending = True
+            is_sending, turn_ends = True, time.monotonic() + _TURN
             while is_sending:  # one message of each topic in turn
                 is_sending = False
                 for stream in list(self._streams.values()):
@@ -216,7 +219,9 @@ class Outbox:
                     if sample is not None:
                         is_sending = True
                         await self._send_sample(send, stream, sample)
-                await asyncio.sleep(0)  # the other clients' turn
+                if time.monotonic() > turn_ends:  # the other clients' turn
+                    await asyncio.sleep(0)
+                    turn_ends = time.monotonic() + _TURN
             await self._send_replies(send)
 
     async def _send_replies(self, send: Send) -> None:
