@@ -214,7 +214,8 @@ class Outbox:
             while is_sending:  # one message of each topic in turn
                 is_sending = False
                 for stream in list(self._streams.values()):
-                    await self._send_replies(send)
+                    if self._replies:
+                        await self._send_replies(send)
                     sample = stream.take(time.monotonic())
                     if sample is not None:
                         is_sending = True
