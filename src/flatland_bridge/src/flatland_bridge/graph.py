@@ -1,9 +1,7 @@
 """The interface between protocols and what they show: topics and services, from any thread."""
 
-import threading
 from abc import ABC, abstractmethod
 from collections import deque
-from functools import cached_property
 from typing import Any, Callable, Deque, Dict, FrozenSet, NamedTuple, Optional, Tuple
 
 from flatland_bridge.budget import Budget
@@ -29,40 +27,12 @@ def require_type(topic: str, expected: Optional[str], message: Any) -> None:
         raise BridgeError(f'the topic "{topic}" expects {expected}, found {message._type}')
 
 
-class Encodings:
-    """The latest encodings of messages, each of which is made once for all clients.
-
-    Args:
-        limit: bytes that are kept.
-    """
-
-    def __init__(self, limit: int) -> None:
-        self._limit = limit
-        self._size = 0
-        self._latest: Deque[Tuple[Dict[str, bytes], str]] = deque()
-        self._lock = threading.Lock()
-
-    def keep(self, encodings: Dict[str, bytes], name: str, data: bytes) -> None:
-        """Keeps an encoding of a message, in place of the oldest ones.
-
-        Args:
-            encodings: of the message.
-            name: of the encoding.
-            data: the encoded message.
-        """
-        with self._lock:
-            if len(data) > self._limit or name in encodings:
-                return
-            encodings[name] = data
-            self._latest.append((encodings, name))
-            self._size += len(data) + _ENTRY
-            while self._size > self._limit:
-                others, other = self._latest.popleft()
-                self._size -= len(others.pop(other)) + _ENTRY
-
-
 _ENTRY = 1000
-_KEPT = Encodings(4_000_000)
+"""Bytes of a message without its content."""
+
+_MOST_KEPT, _LARGEST_KEPT = 64, 64_000
+_kept: Deque[Tuple[Dict[str, bytes], str]] = deque()
+"""The latest encodings of messages, for further clients that want the same: 64 of at most 64 kB."""
 
 
 class Sample:
@@ -92,6 +62,7 @@ class Sample:
         self.is_latched = is_latched
         self._message = message
         self._data = data
+        self._size: Optional[int] = None
         self._encodings: Dict[str, bytes] = {}
 
     @property
@@ -119,17 +90,26 @@ class Sample:
         data = self._encodings.get(name)
         if data is None:
             data = encode(self)
-            _KEPT.keep(self._encodings, name, data)
+            if len(data) <= _LARGEST_KEPT:
+                self._encodings[name] = data
+                _kept.append((self._encodings, name))
+                if len(_kept) > _MOST_KEPT:
+                    encodings, oldest = _kept.popleft()
+                    encodings.pop(oldest, None)
         return data
 
-    @cached_property
+    @property
     def size(self) -> int:
         """The memory that it takes while it waits, roughly [bytes]."""
-        if self._data is not None:
-            return _ENTRY + len(self._data)
-        if type(self._message) is self.message_type:
-            return _ENTRY + size_of(self._message)
-        return _ENTRY + len(getattr(self._message, "_data", b""))
+        if self._size is None:
+            if self._data is not None:
+                size = len(self._data)
+            elif type(self._message) is self.message_type:
+                size = size_of(self._message)
+            else:
+                size = len(getattr(self._message, "_data", b""))
+            self._size = _ENTRY + size
+        return self._size
 
 
 Receive = Callable[[Sample], None]
