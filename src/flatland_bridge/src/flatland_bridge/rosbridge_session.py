@@ -261,12 +261,13 @@ class RosbridgeSession:
         if sum(each.caller is self for each in calls.values()) >= MOST_CALLS:
             raise BridgeError(f"a client may make {MOST_CALLS} calls at a time")
         number = str(next(self._providers.numbers))
+        call = {"op": "call_service", "id": number, "service": name}
+        pieces = list(encoded({**call, "args": message.get("args", {})}, "none", None))
+        slim = {key: message[key] for key in _OF_ANSWERS if key in message}
         size = sys.getsizeof(self._data) + ENTRY
         self.budget.hold(size)
-        slim = {key: message[key] for key in _OF_ANSWERS if key in message}
         calls[number] = Offered(self, slim, provider, size)
-        call = {"op": "call_service", "id": number, "service": name}
-        for data in encoded({**call, "args": message.get("args", {})}, "none", None):
+        for data in pieces:
             provider._outbox.reply(data, self.budget)
 
     def _answer(self, name: str, data: Data) -> Iterable[Data]:
