@@ -1,7 +1,8 @@
 """A world that is simulated in this process, for clients of all protocols: `flatland serve`."""
 
+import ctypes
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Sequence
@@ -27,6 +28,9 @@ ROSBRIDGE, FOXGLOVE = "rosbridge", "Foxglove"
 _WORKERS = MOST_AT_ONCE * MOST_CLIENTS
 """Threads for calls of services, which begin when they are needed: no client waits for another."""
 
+_MMAP_THRESHOLD, _LARGE_BLOCK = -3, 131_072
+"""An option of mallopt, M_MMAP_THRESHOLD, and its default, which would grow [bytes]."""
+
 
 def serve_clients(
     graph: Graph, rosbridge_port: int, foxglove_port: int, access: Access, client_memory: int
@@ -43,6 +47,7 @@ def serve_clients(
     Raises:
         BridgeError: a port or the address cannot be used.
     """
+    _return_large_blocks()
     pool, providers = ThreadPoolExecutor(_WORKERS, "service"), Providers()
     endpoints = (
         Endpoint(
@@ -59,6 +64,15 @@ def serve_clients(
         ),
     )
     return WebSocketServer(endpoints, access, client_memory)
+
+
+def _return_large_blocks() -> None:
+    """Lets the C library return large blocks to the system when they are freed.
+
+    It would keep those of former clients: after 40 that did not read, 290 MB instead of 5.
+    """
+    with suppress(AttributeError):  # it is not glibc
+        ctypes.CDLL(None).mallopt(_MMAP_THRESHOLD, _LARGE_BLOCK)
 
 
 def _dds_server(graph: Graph, access: Access, distribution: str) -> "DdsServer":
