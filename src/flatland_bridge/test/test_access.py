@@ -10,9 +10,13 @@ import pytest
 from bridge_clients import Client, connect, running
 from websockets.exceptions import InvalidStatus
 
+from flatland2d.cli import main
+from flatland_bridge.budget import Budgets
+from flatland_bridge.graph import BridgeError, Sample
 from flatland_bridge.outbox import MOST_MESSAGES, Stream
 from flatland_bridge.server import FOXGLOVE, ROSBRIDGE
 from flatland_bridge.websocket_server import Access
+from flatland_server.config.shipped_worlds import shipped_worlds
 
 
 @pytest.mark.parametrize(
@@ -118,17 +122,18 @@ def test_too_many_clients_are_refused(server):
 
 
 def test_a_stream_keeps_the_newest_messages():
-    stream = Stream(encode=None, wake=lambda: None)
-    for number in range(10 * MOST_MESSAGES):
-        stream.receive(number)
+    samples = [Sample("/x", number, None, data=b"") for number in range(10 * MOST_MESSAGES)]
+    stream = Stream(encode=None, wake=lambda: None, budget=Budgets().open())
+    for sample in samples:
+        stream.receive(sample)
 
     first = stream.take(now=0.0)
 
-    assert first == 9 * MOST_MESSAGES
-    short = Stream(encode=None, wake=lambda: None, length=2)
-    for number in range(5):
-        short.receive(number)
-    assert (short.take(0.0), short.take(0.0), short.take(0.0)) == (3, 4, None)
+    assert first.nanoseconds == 9 * MOST_MESSAGES
+    short = Stream(encode=None, wake=lambda: None, budget=Budgets().open(), length=2)
+    for sample in samples[:5]:
+        short.receive(sample)
+    assert [short.take(0.0) for _ in range(3)] == [*samples[3:5], None]
 
 
 def digest(server, client):
@@ -178,3 +183,63 @@ def test_a_stalled_client_costs_bounded_memory(world):
             assert client.call("/step", steps=2000)["values"]["success"]
         assert len(queue) == MOST_MESSAGES
         stalled.close()
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "GET //[ HTTP/1.1\r\nHost: localhost",
+        "GET / HTTP/1.1\r\nUpgrade: websocket\r\nOrigin: a\r\nOrigin: b",
+        "GET /?token=%ff HTTP/1.1\r\nUpgrade: websocket\r\nAuthorization: Bearer \xff",
+        "GET / HTTP/1.1\r\nUpgrade: websocket\r\nOrigin: http://[",
+    ],
+)
+def test_a_request_that_is_none_is_refused_as_such(world, lines):
+    with running(world, is_paused=True, access=Access(token="secret")) as server:
+        each = socket.create_connection(("127.0.0.1", server.clients.ports[ROSBRIDGE]))
+        each.sendall(f"{lines}\r\n\r\n".encode("latin-1"))
+        assert each.recv(1000).partition(b" ")[2][:3] in (b"400", b"401")
+        each.close()
+
+
+def test_an_empty_token_is_refused(world, capsys):
+    with pytest.raises(BridgeError, match="token: expected one character or more"):
+        Access(token="")
+    assert main(["serve", str(world), "--token", ""]) == 1
+    assert "token: expected one character" in capsys.readouterr().err
+
+
+def test_any_token_is_in_the_address_as_it_can_be_used(world):
+    with running(world, is_paused=True, access=Access(token="a b&c#d+é")) as server:
+        connect(server.clients.url(ROSBRIDGE, "ws")).close()
+
+
+@pytest.mark.parametrize("with_states", [False, True])
+def test_the_first_world_can_be_opened_again(world, with_states, tmp_path, monkeypatch):
+    monkeypatch.chdir(world.parent)
+    folder = {"state_folder": tmp_path / "states"} if with_states else {}
+    for name in ("world.yaml", str(world), world):
+        with running(name, is_paused=True, **folder) as server:
+            client = Client(server)
+            [path] = {each["world_resource"]["uri"] for each in worlds(client)} - shipped()
+            for wanted in (str(name), path, str(world)):
+                assert client.call("/open_world", path="office")["values"]["success"]
+                opened = client.call("/open_world", path=wanted)["values"]
+                assert opened["success"], opened
+                assert server.manager.world.models.keys() == {"robot"}
+
+
+def worlds(client):
+    return client.call("/get_available_worlds")["values"]["worlds"]
+
+
+def shipped():
+    return {str(path) for path in shipped_worlds().values()}
+
+
+def test_requests_that_never_end_are_limited(server):
+    port = server.clients.ports[ROSBRIDGE]
+    with socket.create_connection(("127.0.0.1", port)) as each:
+        lines = "".join(f"X-{number}: {'x' * 5000}\r\n" for number in range(2000))
+        with pytest.raises(OSError, match=r"reset|pipe"):
+            each.sendall(b"GET / HTTP/1.1\r\n" + lines.encode())

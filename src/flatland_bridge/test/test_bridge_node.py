@@ -13,7 +13,9 @@ from bridge_clients import Client
 from ros_processes import executable
 from running_server import ROBOT
 from test_foxglove import Viewer
+from test_greedy_clients import ask_until_closed, send_parts_of_messages
 from waiting import wait_until
+from websockets.exceptions import ConnectionClosed
 
 from flatland_bridge.server import ROSBRIDGE
 
@@ -186,3 +188,26 @@ def test_a_master_that_is_stopped_stops_no_client(master, bridge):
     finally:
         master.process.send_signal(signal.SIGCONT)
     assert client.next_of("/flatland_server/state")
+
+
+@pytest.mark.parametrize(
+    ("parameter", "expected"),
+    [("_token:=''", "token: expected one character"), ("_client_memory:=0", "expected a number above 0")],
+)
+def test_a_wrong_parameter_is_refused(master, parameter, expected):
+    name = f"__name:=bridge{len(expected)}"  # parameters stay
+    command = [executable("flatland_bridge", "bridge"), "_port:=0", name, parameter]
+    environment = {**os.environ, "ROS_MASTER_URI": master.uri}
+    result = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60)
+
+    assert result.returncode == 1
+    assert expected in result.stdout + result.stderr
+
+
+def test_a_client_that_takes_too_much_is_told_and_disconnected(bridge):
+    greedy = Client(bridge)
+    with pytest.raises(ConnectionClosed) as closed:
+        ask_until_closed(greedy, lambda number: send_parts_of_messages(greedy, number), 200)
+
+    assert closed.value.rcvd.code == 1008
+    assert Client(bridge).call("/rosapi/nodes")["result"]

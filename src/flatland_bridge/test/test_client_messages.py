@@ -52,8 +52,6 @@ INFINITE, NAN = float("inf"), float("nan")
         ({**SCAN, "throttle_rate": 1e300}, "throttle_rate: expected a whole number from 0"),
         ({**SCAN, "queue_length": True}, "queue_length: expected a whole number from 0"),
         ({**SCAN, "fragment_size": -1}, "fragment_size: expected a whole number from 0"),
-        ({**CALL, "fragment_size": "x"}, "fragment_size: expected a whole number from 0"),
-        ({**CALL, "fragment_size": 0.5, "id": "7"}, "fragment_size: expected a whole number"),
         ({**SCAN, "id": {"a": 1}}, "id: expected text or a number, found {'a': 1}"),
         (cbor(**SCAN, id=CYCLE), "expected CBOR: expected tags of typed arrays alone"),
         (cbor(**SCAN, id=cbor2.dumps(b"\xff")), "id: expected text or a number, found b'"),
@@ -79,6 +77,15 @@ def test_a_wrong_field_is_answered(client, message, expected):
         message = json.dumps(message)
 
     assert expected in answered(client, message)
+
+
+@pytest.mark.parametrize("size", ["x", 0.5])
+def test_a_call_whose_answer_has_no_form_fails(client, size):
+    client.send("call_service", service="/pause", id="7", fragment_size=size)
+
+    answer = client.receive_until(lambda each: each["op"] == "service_response")
+    assert (answer["id"], answer["result"]) == ("7", False)
+    assert "fragment_size: expected a whole number from 0" in answer["values"]
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,10 @@
 """The command `flatland serve`: arguments, output, ends."""
 
+import itertools
+import json
+import os
 import re
+import resource
 import signal
 import socket
 import subprocess
@@ -8,6 +12,8 @@ import sys
 
 import pytest
 from bridge_clients import Client, connect
+from test_greedy_clients import handshake
+from waiting import wait_until
 
 from flatland2d.cli import main
 
@@ -94,3 +100,60 @@ def test_clients_find_each_other_by_the_printed_address(serve):
     _, addresses = serve("--paused")
     Printed.clients.url = lambda name, scheme: addresses[name]
     assert Client(Printed).call("/step", steps=3)["values"]["time"]["nsecs"] == 15_000_000
+
+
+def test_it_outlives_a_lack_of_file_descriptors(serve):
+    process, addresses = serve("--paused")
+    port = int(re.search(r":(\d+)/", addresses["rosbridge"])[1])
+    few = len(os.listdir(f"/proc/{process.pid}/fd")) + 8
+    limits = resource.prlimit(process.pid, resource.RLIMIT_NOFILE, (few, few))
+    client = connect(addresses["rosbridge"])
+    held = [socket.create_connection(("127.0.0.1", port)) for _ in range(12)]
+    client.send('{"op": "call_service", "service": "/rosapi/nodes"}')
+    assert "service_response" in client.recv(timeout=20)
+    for each in held:
+        each.close()
+
+    late = connect(addresses["rosbridge"], open_timeout=20)
+
+    late.send('{"op": "call_service", "service": "/rosapi/nodes"}')
+    assert "service_response" in late.recv(timeout=20)
+    assert limits[0] > few
+    process.send_signal(signal.SIGINT)
+    assert process.wait(20) == 0
+    [line] = process.stderr.read().splitlines()
+    assert line.endswith("no further client can connect for now: [Errno 24] Too many open files")
+
+
+def memory(process):
+    """The memory that a process has [MB]."""
+    with open(f"/proc/{process.pid}/status") as file:
+        return int(re.search(r"VmRSS:\s+(\d+)", file.read())[1]) / 1000
+
+
+def test_the_memory_of_clients_that_do_not_read_is_bounded_and_returns(serve):
+    process, addresses = serve("--paused", "--client-memory", "4")
+    url, topics = addresses["rosbridge"], [f"/t{number}" for number in range(3)]
+    before = memory(process)
+    port = int(re.search(r":(\d+)/", url)[1])
+    stalled = [socket.create_connection(("127.0.0.1", port)) for _ in range(8)]
+    for each in stalled:
+        each.sendall(handshake(url))
+        assert each.recv(1000).startswith(b"HTTP/1.1 101 ")
+        for topic in topics:
+            data = json.dumps({"op": "subscribe", "topic": topic}).encode()
+            each.sendall(bytes([0x81, 0x80 | len(data), 0, 0, 0, 0]) + data)
+    client = connect(url)
+    for topic in topics:
+        client.send(json.dumps({"op": "advertise", "topic": topic, "type": "std_msgs/String"}))
+    for _, topic in itertools.product(range(12), topics):
+        message = {"op": "publish", "topic": topic, "msg": {"data": "x" * 900_000}}
+        client.send(json.dumps(message))
+    client.send('{"op": "call_service", "service": "/rosapi/nodes"}')
+    client.recv(timeout=60)
+
+    assert memory(process) < before + 8 * 4 + 60
+
+    for each in stalled:
+        each.close()
+    wait_until(lambda: memory(process) < before + 20, "the memory to return")

@@ -2,11 +2,13 @@
 
 import rospy
 
+from flatland_bridge.budget import CLIENT_MEMORY
 from flatland_bridge.ros_graph import RosGraph
 from flatland_bridge.server import FOXGLOVE, ROSBRIDGE, serve_clients
 from flatland_bridge.websocket_server import Access
 from flatland_server.exceptions import FlatlandError
 from flatland_server.ros import rospy_patches
+from flatland_server.ros.server_config import positive_param
 
 _PERIOD = 0.5
 """Real time between two looks for new topics and services [s]."""
@@ -16,19 +18,20 @@ def main() -> int:
     """Runs the node until it is shut down. Returns its exit code."""
     rospy.init_node("bridge")
     rospy_patches.install()  # a master or a subscriber that is stopped stops no client
-    token = rospy.get_param("~token", None)
-    access = Access(
-        str(rospy.get_param("~host", "127.0.0.1")),
-        None if token is None else str(token),
-        tuple(rospy.get_param("~origins", ())),
-    )
-    if not access.is_local:
-        rospy.logwarn("everyone who can reach %s can control the simulation", access.host)
     graph = RosGraph()
-    graph.update()
-    ports = (rospy.get_param("~port", 9090), rospy.get_param("~foxglove_port", 8765))
     try:
-        clients = serve_clients(graph, *map(int, ports), access)
+        token = rospy.get_param("~token", None)
+        access = Access(
+            str(rospy.get_param("~host", "127.0.0.1")),
+            None if token is None else str(token),
+            tuple(rospy.get_param("~origins", ())),
+        )
+        if not access.is_local:
+            rospy.logwarn("everyone who can reach %s can control the simulation", access.host)
+        graph.update()
+        memory = int(positive_param("~client_memory", CLIENT_MEMORY / 1e6) * 1e6)
+        ports = (rospy.get_param("~port", 9090), rospy.get_param("~foxglove_port", 8765))
+        clients = serve_clients(graph, *map(int, ports), access, memory)
     except FlatlandError as error:
         rospy.logfatal("%s", error)
         return 1

@@ -1,10 +1,12 @@
 """Services as topics, for transports without services."""
 
+import threading
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, Callable, Dict, List
+from typing import Any, Callable, Dict, List, Optional
 
 import orjson
 
+from flatland_bridge.budget import Budget
 from flatland_bridge.graph import BridgeError, Graph, Receive, Sample, Topics
 from flatland_bridge.plain_form import from_plain, to_plain
 from flatland_server.exceptions import FlatlandError, shortened
@@ -34,7 +36,7 @@ class CallTopics(Graph):
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
         self._pool = ThreadPoolExecutor(_WORKERS, "call")
-        self._going_on = 0
+        self._free = threading.Semaphore(_MOST_CALLS)
         self._receivers: List[Receive] = []
 
     @property
@@ -51,9 +53,11 @@ class CallTopics(Graph):
     def nanoseconds(self) -> int:
         return self._graph.nanoseconds
 
-    def subscribe(self, topic: str, receive: Receive) -> Callable[[], None]:
+    def subscribe(
+        self, topic: str, receive: Receive, client: Optional[Budget] = None
+    ) -> Callable[[], None]:
         if topic != RESPONSES:
-            return self._graph.subscribe(topic, receive)
+            return self._graph.subscribe(topic, receive, client)
         self._receivers = [*self._receivers, receive]
 
         def end() -> None:
@@ -61,14 +65,14 @@ class CallTopics(Graph):
 
         return end
 
-    def publish(self, topic: str, message: Any) -> None:
+    def publish(self, topic: str, message: Any, client: Optional[Budget] = None) -> None:
         if topic != CALLS:
-            self._graph.publish(topic, message)
-        elif self._going_on >= _MOST_CALLS:
+            self._graph.publish(topic, message, client)
+        elif not self._free.acquire(blocking=False):
             raise BridgeError(f"{_MOST_CALLS} calls go on already")
         else:
-            self._going_on += 1
-            self._pool.submit(self._respond, message.data).add_done_callback(self._ended)
+            done = self._pool.submit(self._respond, message.data)
+            done.add_done_callback(lambda _: self._free.release())
 
     def call(self, service: str, request: Any) -> Any:
         return self._graph.call(service, request)
@@ -76,9 +80,6 @@ class CallTopics(Graph):
     def close(self) -> None:
         """Begins no further call."""
         self._pool.shutdown(wait=False)
-
-    def _ended(self, _: Any) -> None:
-        self._going_on -= 1
 
     def _respond(self, text: str) -> None:
         """Calls a service, and publishes its response; on a thread of the pool."""

@@ -16,6 +16,7 @@ from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.qos import Policy, Qos
 from cyclonedds.util import duration
 
+from flatland_bridge.budget import Budgets
 from flatland_bridge.call_topics import CallTopics
 from flatland_bridge.dds_topics import Input, Output, Profile, default_profile, open_writer
 from flatland_bridge.dds_types import DISCOVERY_TOPIC, DdsTypes, dds_topic
@@ -80,6 +81,7 @@ class DdsServer:
         except (DDSException, OSError, UnicodeEncodeError) as error:
             where = "127.0.0.1" if address is None else address or "the network"
             raise BridgeError(f"DDS cannot use {where}: {error}") from None
+        self._budget = Budgets().open()  # of all that ROS 2 publishes
         self._waitset = WaitSet(self._participant)
         self._guard = GuardCondition(self._participant)
         self._waitset.attach(self._guard)
@@ -201,7 +203,7 @@ class DdsServer:
             name,
             message_class,
             get(kind),
-            lambda message: self._graph.publish(topic, to_graph(message)),
+            lambda message: self._graph.publish(topic, to_graph(message), self._budget),
         )
         self._inputs[topic, kind] = each
         self._waitset.attach(each.reader)

@@ -12,7 +12,8 @@ from cyclonedds.qos import Policy, Qos
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 
-from flatland_bridge.graph import BridgeError, Graph
+from flatland_bridge.budget import Budgets
+from flatland_bridge.graph import BridgeError, Graph, Sample
 from flatland_bridge.outbox import Stream
 from flatland_server.exceptions import shortened
 from flatland_server.messages.message_types import deserialized
@@ -95,7 +96,9 @@ class Output:
         self._graph = graph
         self._topic = topic
         self._profile = profile
-        self._stream = Stream(lambda sample: (), wake, length=1 if profile.is_latched else None)
+        length = 1 if profile.is_latched else None
+        self._budget = Budgets().open()
+        self._stream = Stream(lambda sample: (), wake, self._budget, length=length)
         self._end: Optional[Callable[[], None]] = None
         self._mismatches = 0
 
@@ -108,7 +111,7 @@ class Output:
         has_readers = self.writer.get_publication_matched_status().current_count > 0
         if has_readers and self._end is None:
             with suppress(BridgeError):  # the simulation cannot keep up: later
-                self._end = self._graph.subscribe(self._topic, self._stream.receive)
+                self._end = self._graph.subscribe(self._topic, self._stream.receive, self._budget)
         elif self._end is not None and not has_readers:
             self.close()
             return not self._profile.is_latched
@@ -130,14 +133,17 @@ class Output:
 
     def send(self) -> None:
         """Sends what waits."""
+        data_type = self.writer.data_type
+
+        def encode(sample: Sample) -> bytes:
+            return bytes(data_type.to_cdr(sample.data))
+
         while True:
             sample = self._stream.take(time.monotonic())
             if sample is None:
                 return
-            if _CDR not in sample.encodings:
-                sample.encodings[_CDR] = self.writer.data_type.to_cdr(sample.data)
             try:
-                self.writer.write(self.writer.data_type(sample.encodings[_CDR]))
+                self.writer.write(data_type(sample.encoded(_CDR, encode)))
             except DDSException as error:  # lost: what waits for slow subscribers is too large
                 logger.debug("%s: %s", self._topic, error)
 

@@ -6,13 +6,17 @@ with `ros1msg` schemas; clients may also send JSON.
 
 import asyncio
 import itertools
+import logging
 import struct
 import uuid
 from concurrent.futures import Executor
-from typing import Any, Callable, Dict, List, Set, Tuple
+from functools import partial
+from typing import Any, Callable, Dict, List, NamedTuple, Tuple
 
 import orjson
 
+from flatland_bridge.budget import ENTRY, Budget
+from flatland_bridge.client_calls import ClientCalls
 from flatland_bridge.client_messages import (
     Message,
     decoded,
@@ -30,6 +34,8 @@ from flatland_server.exceptions import FlatlandError, MessageError, shortened
 from flatland_server.messages.message_types import deserialized, get
 from flatland_server.messages.wire_form import serialized
 
+logger = logging.getLogger(__name__)
+
 SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
 """Equal in all that is used here."""
 
@@ -43,10 +49,17 @@ _TOPICS_PERIOD = 0.2
 """Real time between two looks for new topics [s]."""
 _MOST_TOPICS = 500
 """Topics that a client may subscribe to, or publish."""
-_MOST_CALLS = 50
-"""Calls of services that may go on for a client at the same time."""
 
 _SESSION_ID = uuid.uuid4().hex
+
+
+class _Channel(NamedTuple):
+    """What a client publishes to."""
+
+    topic: str
+    message_type: Any
+    encoding: str
+    end: Callable[[], None]
 
 
 class FoxgloveSession:
@@ -55,18 +68,19 @@ class FoxgloveSession:
     Args:
         graph: the topics and services.
         pool: calls services, which takes time.
+        budget: counts all that is kept for the client.
     """
 
-    def __init__(self, graph: Graph, pool: Executor) -> None:
+    def __init__(self, graph: Graph, pool: Executor, budget: Budget) -> None:
         self._graph = graph
-        self._pool = pool
-        self._outbox = Outbox()
+        self._budget = budget
+        self._outbox = Outbox(budget, pool)
+        self._calls = ClientCalls(pool, budget, self._outbox)
         self._numbers = itertools.count(1)
         self._channels: Dict[int, Tuple[str, str]] = {}  # topics and types, by number
         self._services: Dict[int, str] = {}
         self._subscriptions: Dict[int, Tuple[int, Callable[[], None]]] = {}  # channel, end
-        self._client_channels: Dict[int, Tuple[str, Any, str]] = {}  # topic, class, encoding
-        self._calls: Set[asyncio.Task[None]] = set()
+        self._client_channels: Dict[int, _Channel] = {}
         self._operations: Dict[Any, Callable[[Message], None]] = {
             "subscribe": self._subscribe,
             "unsubscribe": self._unsubscribe,
@@ -101,32 +115,34 @@ class FoxgloveSession:
                 raise BridgeError(f'there is no operation "{shortened(str(operation))}"')
             self._operations[operation](message)
         except FlatlandError as error:
-            self._send({"op": "status", "level": _ERROR, "message": plain_text(str(error))})
+            self._outbox.reply(self.status(str(error)))
         except (ValueError, struct.error) as error:
             text = f"a message that does not follow the protocol: {shortened(repr(error))}"
-            self._send({"op": "status", "level": _ERROR, "message": text})
+            self._outbox.reply(self.status(text))
 
     async def run(self, send: Send) -> None:
         """Sends messages, and tells the client of new topics and services, for ever."""
         sending = asyncio.ensure_future(self._outbox.send_all(send))
         try:
-            while True:
-                await asyncio.wait([sending], timeout=_TOPICS_PERIOD)
-                if sending.done():
-                    return
+            while not (await asyncio.wait([sending], timeout=_TOPICS_PERIOD))[0]:
                 self._follow_graph()
                 self._outbox.reply(struct.pack("<BQ", _TIME, self._graph.nanoseconds))
-        except ConnectionError:  # the client does not read: what waits is dropped with it
-            sending.cancel()
+            await sending
         finally:
             sending.cancel()
+
+    def status(self, text: str) -> Data:
+        """A message that tells the client of an error."""
+        return str(orjson.dumps({"op": "status", "level": _ERROR, "message": plain_text(text)}), "utf-8")
 
     def close(self) -> None:
         """Ends all that the client has begun."""
         for _, end in self._subscriptions.values():
             end()
-        for task in self._calls:
-            task.cancel()
+        for channel in self._client_channels.values():
+            channel.end()
+        self._outbox.close_all()
+        self._calls.close()
 
     # What there is
 
@@ -147,6 +163,11 @@ class FoxgloveSession:
             channels = [_channel(number, *each) for number, each in numbered.items()]
             self._send({"op": "advertise", "channels": channels})
         services = self._graph.services
+        ended = [number for number, name in self._services.items() if name not in services]
+        for number in ended:
+            del self._services[number]
+        if ended:
+            self._send({"op": "unadvertiseServices", "serviceIds": ended})
         known = set(self._services.values())
         added = {next(self._numbers): name for name in services if name not in known}
         if added:
@@ -165,19 +186,26 @@ class FoxgloveSession:
                 raise BridgeError(f"there is a subscription of the id {key} already")
             if len(self._subscriptions) >= _MOST_TOPICS:
                 raise BridgeError(f"a client may subscribe to {_MOST_TOPICS} topics")
-            stream = Stream(_encoder(key), self._outbox.wake)
-            self._outbox.streams[key] = stream
-            end = self._graph.subscribe(self._channels[channel][0], stream.receive)
+            stream = Stream(_encoder(key), self._outbox.wake, self._budget, self._report)
+            topic = self._channels[channel][0]
+            end = self._graph.subscribe(topic, stream.receive, self._budget)
+            self._outbox.open(key, stream)
             self._subscriptions[key] = channel, end
+            self._budget.hold(ENTRY)
 
     def _unsubscribe(self, message: Message) -> None:
         for key in whole_numbers(message, "subscriptionIds"):
             self._end(key)
 
     def _end(self, key: int) -> None:
-        self._outbox.streams.pop(key, None)
-        _, end = self._subscriptions.pop(key, (0, lambda: None))
-        end()
+        self._outbox.close(key)
+        subscription = self._subscriptions.pop(key, None)
+        if subscription is not None:
+            self._budget.hold(-ENTRY)
+            subscription[1]()
+
+    def _report(self, text: str) -> None:
+        self._outbox.reply(self.status(text))
 
     def _advertise(self, message: Message) -> None:
         for each in items(message, "channels"):
@@ -188,12 +216,20 @@ class FoxgloveSession:
             if len(self._client_channels) >= _MOST_TOPICS:
                 raise BridgeError(f"a client may advertise {_MOST_TOPICS} topics")
             kind = get(field(each, "schemaName", str).replace("/msg/", "/"))
-            self._client_channels[number] = topic, kind, encoding
-            self._graph.advertise(topic, kind)
+            self._withdraw(number)
+            end = self._graph.advertise(topic, kind)
+            self._client_channels[number] = _Channel(topic, kind, encoding, end)
+            self._budget.hold(ENTRY)
 
     def _unadvertise(self, message: Message) -> None:
         for number in whole_numbers(message, "channelIds"):
-            self._client_channels.pop(number, None)
+            self._withdraw(number)
+
+    def _withdraw(self, number: int) -> None:
+        channel = self._client_channels.pop(number, None)
+        if channel is not None:
+            self._budget.hold(-ENTRY)
+            channel.end()
 
     # Binary messages
 
@@ -202,46 +238,47 @@ class FoxgloveSession:
         if code == _CLIENT_MESSAGE:
             if number not in self._client_channels:
                 raise BridgeError(f"channel {number} is not advertised")
-            topic, kind, encoding = self._client_channels[number]
-            self._graph.publish(topic, _message(kind, encoding, data[5:]))
+            topic, kind, encoding, _ = self._client_channels[number]
+            self._graph.publish(topic, _message(kind, encoding, data[5:]), self._budget)
         elif code == _SERVICE_REQUEST:
             call, length = struct.unpack_from("<II", data, 5)
             encoding = data[13 : 13 + length].decode()
-            if len(self._calls) >= _MOST_CALLS:
-                self._fail(number, call, f"a client may make {_MOST_CALLS} calls at a time")
-                return
-            answer = self._call(number, call, encoding, data[13 + length :])
-            task = asyncio.get_running_loop().create_task(answer)
-            self._calls.add(task)
-            task.add_done_callback(self._calls.discard)
+            answer = partial(self._answer, number, call, encoding, data[13 + length :])
+            try:
+                self._calls.add(len(data), answer)
+            except BridgeError as error:
+                self._send(_failure(number, call, str(error)))
         else:
             raise BridgeError(f"there is no binary operation {code}")
 
-    async def _call(self, number: int, call: int, encoding: str, data: bytes) -> None:
-        loop = asyncio.get_running_loop()
+    def _answer(self, number: int, call: int, encoding: str, data: bytes) -> List[Data]:
+        """Calls a service. Returns the response; on a thread of the pool."""
+        name = self._services.get(number, "")
         try:
-            name = self._services.get(number, "")
-            payload = await loop.run_in_executor(self._pool, self._answer, name, encoding, data)
+            kind = self._graph.service_type(name)
+            response = self._graph.call(name, _message(kind.request, encoding, data))
+            if encoding == _JSON:
+                plain = to_plain(response)
+                payload = bytes(orjson.dumps(plain, option=orjson.OPT_SERIALIZE_NUMPY))
+            else:
+                payload = serialized(response)
         except FlatlandError as error:
-            self._fail(number, call, str(error))
-        else:
-            head = struct.pack("<BIII", _SERVICE_RESPONSE, number, call, len(encoding))
-            self._outbox.reply(head + encoding.encode() + payload)
-
-    def _answer(self, name: str, encoding: str, data: bytes) -> bytes:
-        """The serialized response of a service; on a thread of the pool."""
-        kind = self._graph.service_type(name)
-        response = self._graph.call(name, _message(kind.request, encoding, data))
-        if encoding == _JSON:
-            return bytes(orjson.dumps(to_plain(response), option=orjson.OPT_SERIALIZE_NUMPY))
-        return serialized(response)
-
-    def _fail(self, number: int, call: int, text: str) -> None:
-        failure = {"op": "serviceCallFailure", "serviceId": number, "callId": call}
-        self._send({**failure, "message": plain_text(text)})
+            return [orjson.dumps(_failure(number, call, str(error))).decode()]
+        except Exception as error:  # the client would wait for ever
+            logger.exception("%s has failed", name)
+            text = f"{name} has failed: {shortened(repr(error))}"
+            return [orjson.dumps(_failure(number, call, text)).decode()]
+        head = struct.pack("<BIII", _SERVICE_RESPONSE, number, call, len(encoding))
+        return [head + encoding.encode() + payload]
 
     def _send(self, message: Message) -> None:
         self._outbox.reply(orjson.dumps(message).decode())
+
+
+def _failure(number: int, call: int, text: str) -> Dict[str, Any]:
+    """The answer to a call that has failed."""
+    failure = {"op": "serviceCallFailure", "serviceId": number, "callId": call}
+    return {**failure, "message": plain_text(text)}
 
 
 def _encoder(key: int) -> Callable[[Sample], List[Data]]:

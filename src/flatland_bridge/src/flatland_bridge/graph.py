@@ -1,9 +1,11 @@
 """The interface between protocols and what they show: topics and services, from any thread."""
 
 from abc import ABC, abstractmethod
-from functools import cached_property
-from typing import Any, Callable, Dict, FrozenSet, NamedTuple, Optional
+from collections import deque
+from typing import Any, Callable, Deque, Dict, FrozenSet, NamedTuple, Optional, Tuple
 
+from flatland_bridge.budget import Budget
+from flatland_bridge.message_size import size_of
 from flatland_server.exceptions import FlatlandError, suggestion
 from flatland_server.messages.message_types import deserialized
 from flatland_server.messages.service_types import ServiceType
@@ -26,6 +28,14 @@ def require_type(topic: str, expected: Optional[str], message: Any) -> None:
         raise BridgeError(f'the topic "{topic}" expects {expected}, found {message._type}')
 
 
+_ENTRY = 1000
+"""Bytes of a message without its content."""
+
+_MOST_KEPT, _LARGEST_KEPT = 64, 64_000
+_kept: Deque[Tuple[Dict[str, bytes], str]] = deque()
+"""The latest encodings of messages, for further clients that want the same: 64 of at most 64 kB."""
+
+
 class Sample:
     """A message of a topic, converted once for all clients.
 
@@ -35,6 +45,7 @@ class Sample:
         message_type: the class of the message.
         message: the message, which may be serialized in advance; or None.
         data: the serialized message, if there is no message.
+        is_latched: whether it is kept anyway, for new subscribers.
     """
 
     def __init__(
@@ -44,16 +55,18 @@ class Sample:
         message_type: Any,
         message: Optional[Any] = None,
         data: Optional[bytes] = None,
+        is_latched: bool = False,
     ) -> None:
         self.topic = topic
         self.nanoseconds = nanoseconds
         self.message_type = message_type
+        self.is_latched = is_latched
         self._message = message
         self._data = data
-        self.encodings: Dict[str, bytes] = {}
-        """The bytes that protocols send, by the names of their encodings."""
+        self._size: Optional[int] = None
+        self._encodings: Dict[str, bytes] = {}
 
-    @cached_property
+    @property
     def message(self) -> Any:
         """The message with all of its fields."""
         # One that is serialized in advance, or when it is sent, has no fields.
@@ -61,10 +74,43 @@ class Sample:
             return self._message
         return deserialized(self.message_type, self.data)
 
-    @cached_property
+    @property
     def data(self) -> bytes:
         """The serialized message."""
-        return serialized(self._message) if self._data is None else self._data
+        if self._data is not None:
+            return self._data
+        return self.encoded("ros1", lambda sample: serialized(sample._message))
+
+    def encoded(self, name: str, encode: Callable[["Sample"], bytes]) -> bytes:
+        """The bytes that a protocol sends.
+
+        Args:
+            name: of the encoding.
+            encode: makes them.
+        """
+        data = self._encodings.get(name)
+        if data is None:
+            data = encode(self)
+            if len(data) <= _LARGEST_KEPT:
+                self._encodings[name] = data
+                _kept.append((self._encodings, name))
+                if len(_kept) > _MOST_KEPT:
+                    encodings, oldest = _kept.popleft()
+                    encodings.pop(oldest, None)
+        return data
+
+    @property
+    def size(self) -> int:
+        """The memory that it takes while it waits, roughly [bytes]."""
+        if self._size is None:
+            if self._data is not None:
+                size = len(self._data)
+            elif type(self._message) is self.message_type:
+                size = size_of(self._message)
+            else:
+                size = len(getattr(self._message, "_data", b""))
+            self._size = _ENTRY + size
+        return self._size
 
 
 Receive = Callable[[Sample], None]
@@ -109,32 +155,40 @@ class Graph(ABC):
         """Simulated time [ns]."""
 
     @abstractmethod
-    def subscribe(self, topic: str, receive: Receive) -> Callable[[], None]:
+    def subscribe(
+        self, topic: str, receive: Receive, client: Optional[Budget] = None
+    ) -> Callable[[], None]:
         """Subscribes to a topic, which need not exist yet.
 
         Args:
             topic: its absolute name.
             receive: called with each message; first with the last one if the topic is latched.
+            client: has asked for it, and counts what waits until it is done.
 
         Returns:
             A function that ends the subscription.
         """
 
-    def advertise(self, topic: str, message_type: Any) -> None:  # noqa: B027 (nothing to prepare)
+    def advertise(self, topic: str, message_type: Any) -> Callable[[], None]:
         """Prepares to publish to a topic.
 
         Args:
             topic: its absolute name.
             message_type: the class of its messages.
+
+        Returns:
+            A function that ends it.
         """
+        return lambda: None
 
     @abstractmethod
-    def publish(self, topic: str, message: Any) -> None:
+    def publish(self, topic: str, message: Any, client: Optional[Budget] = None) -> None:
         """Publishes a message.
 
         Args:
             topic: its absolute name.
             message: of the topic's type.
+            client: as for `subscribe`.
 
         Raises:
             BridgeError: the topic has another type, or too many messages wait.

@@ -1,11 +1,15 @@
 """The topics and services of a ROS master, those of Flatland's server among them."""
 
 import threading
-from typing import Any, Callable, Dict, List
+from collections import Counter
+from typing import Any, Callable, Dict, List, Optional
+from typing import Counter as CounterType
 
 import rosgraph
 import rospy
 
+from flatland_bridge.budget import Budget
+from flatland_bridge.client_calls import let_the_next_begin
 from flatland_bridge.graph import Graph, Receive, Sample, Topics, require_type
 from flatland_bridge.ros_services import RosServices
 from flatland_server.exceptions import MessageError
@@ -30,6 +34,7 @@ class RosGraph(Graph):
         self._services = RosServices()
         self._subscriptions: Dict[str, _Subscription] = {}
         self._publishers: Dict[str, rospy.Publisher] = {}
+        self._advertisers: CounterType[str] = Counter()  # clients, by topic
 
     def update(self) -> None:
         """Asks the master for topics and services; to be called from time to time, by one thread.
@@ -65,7 +70,9 @@ class RosGraph(Graph):
     def nanoseconds(self) -> int:
         return int(rospy.get_rostime().to_nsec())
 
-    def subscribe(self, topic: str, receive: Receive) -> Callable[[], None]:
+    def subscribe(
+        self, topic: str, receive: Receive, client: Optional[Budget] = None
+    ) -> Callable[[], None]:
         with self._lock:
             subscription = self._subscriptions.get(topic)
             if subscription is None:
@@ -79,17 +86,33 @@ class RosGraph(Graph):
 
         return end
 
-    def advertise(self, topic: str, message_type: Any) -> None:
+    def advertise(self, topic: str, message_type: Any) -> Callable[[], None]:
+        with self._lock:
+            self._publisher(topic, message_type)
+            self._advertisers[topic] += 1
+
+        def end() -> None:
+            with self._lock:
+                self._advertisers[topic] -= 1
+                if not self._advertisers[topic]:
+                    del self._advertisers[topic]
+                    self._publishers.pop(topic).unregister()
+
+        return end
+
+    def _publisher(self, topic: str, message_type: Any) -> rospy.Publisher:
+        """The publisher of a topic; one without an advertisement stays."""
         with self._lock:
             if topic not in self._publishers:
                 self._publishers[topic] = rospy.Publisher(topic, message_type, queue_size=10)
+            return self._publishers[topic]
 
-    def publish(self, topic: str, message: Any) -> None:
+    def publish(self, topic: str, message: Any, client: Optional[Budget] = None) -> None:
         require_type(topic, self._topics.types.get(topic), message)
-        self.advertise(topic, type(message))
-        self._publishers[topic].publish(message)
+        self._publisher(topic, type(message)).publish(message)
 
     def call(self, service: str, request: Any) -> Any:
+        let_the_next_begin()  # it works elsewhere, and may wait there
         return self._services.call(service, self.service_type(service), request)
 
 
@@ -132,9 +155,13 @@ class _Subscription:
             kind = get(header["type"])
         except MessageError:
             return
-        sample = Sample(self._topic, self._graph.nanoseconds, kind, data=message._buff)
+        is_latched = header.get("latching") == "1"
+        data = message._buff
+        sample = Sample(
+            self._topic, self._graph.nanoseconds, kind, data=data, is_latched=is_latched
+        )
         with self._lock:
-            if header.get("latching") == "1":
+            if is_latched:
                 self._latched[header["callerid"]] = sample
             for receive in self._receivers:
                 receive(sample)

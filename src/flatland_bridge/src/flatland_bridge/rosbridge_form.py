@@ -61,13 +61,11 @@ def publisher(compression: str, fragment_size: int) -> Callable[[Sample], List[D
     """
 
     def publish(sample: Sample) -> List[Data]:
-        if compression not in sample.encodings:
-            try:
-                sample.encodings[compression] = _ENCODERS[compression](sample)
-            except Exception as error:  # ROS's classes raise all kinds
-                text = f'a message of "{sample.topic}" cannot be sent: {shortened(str(error))}'
-                raise BridgeError(text) from None
-        data = sample.encodings[compression]
+        try:
+            data = sample.encoded(compression, _ENCODERS[compression])
+        except Exception as error:  # ROS's classes raise all kinds
+            text = f'a message of "{sample.topic}" cannot be sent: {shortened(str(error))}'
+            raise BridgeError(text) from None
         if compression != "none":
             return [data]
         return list(_fragments(data.decode(), fragment_size))

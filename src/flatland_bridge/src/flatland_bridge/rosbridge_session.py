@@ -3,11 +3,15 @@
 https://github.com/RobotWebTools/rosbridge_suite/blob/ros1/ROSBRIDGE_PROTOCOL.md
 """
 
-import asyncio
 import itertools
+import logging
+import sys
 from concurrent.futures import Executor
-from typing import Any, Callable, Dict, Optional, Set, Tuple
+from functools import partial
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Tuple
 
+from flatland_bridge.budget import ENTRY, Budget
+from flatland_bridge.client_calls import MOST_CALLS, ClientCalls
 from flatland_bridge.client_messages import Message, field, id_of, message_of, name_of, whole
 from flatland_bridge.graph import BridgeError, Graph
 from flatland_bridge.outbox import Data, Outbox, Send, Stream
@@ -17,15 +21,33 @@ from flatland_bridge.rosbridge_form import COMPRESSIONS, encoded, publisher
 from flatland_server.exceptions import FlatlandError, MessageError, shortened, suggestion
 from flatland_server.messages.message_types import get
 
+logger = logging.getLogger(__name__)
+
 _LEVELS = ("none", "error", "warning", "info")
 _MOST_TOPICS = 500
 """Topics that a client may subscribe to."""
-_MOST_CALLS = 50
-"""Calls of services that may go on for a client at the same time."""
-_MOST_FRAGMENTS = 1000
-"""Fragments of messages that a client may have sent incompletely."""
-_LARGEST = 16_000_000
-"""Characters of all of them."""
+_LARGEST = 64_000_000
+"""Bytes that a message in fragments takes once it is decoded, at most."""
+_OF_ANSWERS = ("id", "service", "compression", "fragment_size")
+"""Fields of a call that its answer depends on."""
+_DECODED = {"{": 64, "[": 56, ",": 8, ".": 24}
+"""Bytes of a decoded object, array, reference and fraction, by a character that each has."""
+
+
+class Offered(NamedTuple):
+    """A call of a service that another client offers.
+
+    Attributes:
+        caller: waits for the response.
+        message: of the call, without its arguments.
+        provider: offers the service.
+        size: its bytes in the caller's budget.
+    """
+
+    caller: "RosbridgeSession"
+    message: Message
+    provider: "RosbridgeSession"
+    size: int
 
 
 class Providers:
@@ -34,9 +56,18 @@ class Providers:
     def __init__(self) -> None:
         self.sessions: Dict[str, RosbridgeSession] = {}
         """The client that offers a service, by the service's name."""
-        self.calls: Dict[str, Tuple[RosbridgeSession, Message]] = {}
-        """Callers that wait, and what they have called, by the id of the call."""
+        self.calls: Dict[str, Offered] = {}
+        """Calls that are not answered yet, by their ids."""
         self.numbers = itertools.count(1)
+
+    def end_call(self, number: str) -> None:
+        """Forgets a call.
+
+        Args:
+            number: its id.
+        """
+        call = self.calls.pop(number)
+        call.caller.budget.hold(-call.size)
 
 
 class RosbridgeSession:
@@ -46,19 +77,20 @@ class RosbridgeSession:
         graph: the topics and services.
         pool: calls services, which takes time.
         providers: services of other clients.
+        budget: counts all that is kept for the client.
     """
 
-    def __init__(self, graph: Graph, pool: Executor, providers: Providers) -> None:
+    def __init__(self, graph: Graph, pool: Executor, providers: Providers, budget: Budget) -> None:
+        self.budget = budget
         self._graph = graph
-        self._outbox = Outbox()
-        self._pool = pool
+        self._outbox = Outbox(budget, pool)
+        self._calls = ClientCalls(pool, budget, self._outbox)
         self._providers = providers
         self._rosapi = RosApi(graph)
         self._level = "error"
         self._subscriptions: Dict[str, Callable[[], None]] = {}  # ends each, by topic
-        self._ids: Dict[str, Set[Any]] = {}  # under which a topic was subscribed to
-        self._advertised: Dict[str, str] = {}  # types by topic
-        self._calls: Set[asyncio.Task[None]] = set()
+        self._ids: Dict[str, Dict[str, int]] = {}  # under which topics are subscribed to; bytes
+        self._advertised: Dict[str, Tuple[str, Callable[[], None]]] = {}  # type, end
         self._fragments: Dict[str, Dict[int, str]] = {}
         self._operations: Dict[Any, Callable[[Message], None]] = {
             "advertise": self._advertise,
@@ -83,6 +115,7 @@ class RosbridgeSession:
             data: JSON text, or CBOR bytes.
         """
         message: Message = {}
+        self._data = data
         try:
             message = message_of(data)
             operation = field(message, "op", str)
@@ -92,25 +125,32 @@ class RosbridgeSession:
             self._operations[operation](message)
         except FlatlandError as error:
             self._status("error", str(error), message)
+        finally:
+            self._data = ""
 
     async def run(self, send: Send) -> None:
         """Sends messages for ever."""
         await self._outbox.send_all(send)
 
+    def status(self, text: str) -> Data:
+        """A message that tells the client of an error."""
+        (data,) = encoded({"op": "status", "level": "error", "msg": text}, "none", None)
+        return data
+
     def close(self) -> None:
         """Ends all that the client has begun."""
-        for end in self._subscriptions.values():
+        for end in (*self._subscriptions.values(), *(end for _, end in self._advertised.values())):
             end()
-        for task in self._calls:
-            task.cancel()
         providers = self._providers
         for name in [name for name, each in providers.sessions.items() if each is self]:
-            del providers.sessions[name]
-        for number, (caller, message) in list(providers.calls.items()):
-            if caller is self or number.startswith(f"{id(self)}:"):
-                del providers.calls[number]
-                if caller is not self:
-                    caller._respond(message, "the client that offers it is gone", False)
+            self._withdraw(name)
+        for number, call in list(providers.calls.items()):
+            if self in (call.caller, call.provider):
+                providers.end_call(number)
+                if call.caller is not self:
+                    call.caller._respond(call.message, "the client that offers it is gone", False)
+        self._outbox.close_all()
+        self._calls.close()
 
     # Topics
 
@@ -132,23 +172,28 @@ class RosbridgeSession:
         stream = Stream(
             publisher(compression, size),
             self._outbox.wake,
+            self.budget,
+            partial(self._status, "error", about={}),
             whole(message, "throttle_rate", 0) / 1000.0,
             whole(message, "queue_length", 0),
         )
-        end = self._graph.subscribe(topic, stream.receive)
+        end = self._graph.subscribe(topic, stream.receive, self.budget)
         if topic in self._subscriptions:  # once more: the last one says how
             self._subscriptions[topic]()
-        self._outbox.streams[topic] = stream
+        self._outbox.open(topic, stream)
         self._subscriptions[topic] = end
-        self._ids.setdefault(topic, set()).add(str(message.get("id")))
+        ids, name = self._ids.setdefault(topic, {}), str(message.get("id"))
+        if name not in ids:
+            ids[name] = _size(topic, name)
+            self.budget.hold(ids[name])
 
     def _unsubscribe(self, message: Message) -> None:
         topic = name_of(message, "topic")
-        ids = self._ids.get(topic, set())
-        ids.discard(str(message.get("id")))
+        ids = self._ids.get(topic, {})
+        self.budget.hold(-ids.pop(str(message.get("id")), 0))
         if message.get("id") is None or not ids:
-            self._ids.pop(topic, None)
-            self._outbox.streams.pop(topic, None)
+            self.budget.hold(-sum(self._ids.pop(topic, {}).values()))
+            self._outbox.close(topic)
             end = self._subscriptions.pop(topic, None)
             if end is not None:
                 end()
@@ -161,23 +206,28 @@ class RosbridgeSession:
             raise BridgeError(f'the topic "{topic}" has the type {known}, not {kind}')
         if topic not in self._advertised and len(self._advertised) >= _MOST_TOPICS:
             raise BridgeError(f"a client may advertise {_MOST_TOPICS} topics")
-        self._advertised[topic] = kind
-        self._graph.advertise(topic, message_type)
+        self._unadvertise(message)
+        self._advertised[topic] = kind, self._graph.advertise(topic, message_type)
+        self.budget.hold(_size(topic, kind))
 
     def _unadvertise(self, message: Message) -> None:
-        self._advertised.pop(name_of(message, "topic"), None)
+        topic = name_of(message, "topic")
+        if topic in self._advertised:
+            kind, end = self._advertised.pop(topic)
+            self.budget.hold(-_size(topic, kind))
+            end()
 
     def _publish(self, message: Message) -> None:
         topic = name_of(message, "topic")
         types = self._graph.topics.types
-        kind = self._advertised.get(topic) or types.get(topic)
+        kind = self._advertised[topic][0] if topic in self._advertised else types.get(topic)
         if kind is None:
             hint = suggestion(topic, types)
             raise BridgeError(f'there is no topic "{topic}"{hint}; advertise it with its type')
         content = from_plain(get(kind), message.get("msg", {}))
         if isinstance(message.get("msg"), dict):
             self._stamp(content, message["msg"])
-        self._graph.publish(topic, content)
+        self._graph.publish(topic, content, self.budget)
 
     def _stamp(self, content: Any, given: Message) -> None:
         """Sets a stamp that the client has left out to the present time."""
@@ -192,32 +242,43 @@ class RosbridgeSession:
 
     def _call_service(self, message: Message) -> None:
         name = name_of(message, "service")
-        whole(message, "fragment_size", 0)  # of the answer
         provider = self._providers.sessions.get(name)
-        if provider is not None:
-            number = f"{id(provider)}:{next(self._providers.numbers)}"
-            self._providers.calls[number] = (self, message)
-            call = {"op": "call_service", "id": number, "service": name}
-            provider._send({**call, "args": message.get("args", {})})
-            return
-        if len(self._calls) >= _MOST_CALLS:
-            self._respond(message, f"a client may make {_MOST_CALLS} calls at a time", False)
-            return
-        task = asyncio.get_running_loop().create_task(self._call(name, message))
-        self._calls.add(task)
-        task.add_done_callback(self._calls.discard)
-
-    async def _call(self, name: str, message: Message) -> None:
-        loop = asyncio.get_running_loop()
         try:
-            values = await loop.run_in_executor(self._pool, self._answer, name, message)
-        except FlatlandError as error:
-            self._respond(message, str(error), False)
-        else:
-            self._respond(message, values, True)
+            whole(message, "fragment_size", 0)  # of the answer
+            if provider is None:
+                # Its arguments may be many times larger than its text: they are read in its turn.
+                self._calls.add(sys.getsizeof(self._data), partial(self._answer, name, self._data))
+            else:
+                self._call_provider(name, provider, message)
+        except BridgeError as error:
+            self._respond({**message, "fragment_size": None}, str(error), False)
 
-    def _answer(self, name: str, message: Message) -> Any:
-        """The values of a service's response; on a thread of the pool."""
+    def _call_provider(self, name: str, provider: "RosbridgeSession", message: Message) -> None:
+        calls = self._providers.calls
+        if sum(each.caller is self for each in calls.values()) >= MOST_CALLS:
+            raise BridgeError(f"a client may make {MOST_CALLS} calls at a time")
+        number = str(next(self._providers.numbers))
+        call = {"op": "call_service", "id": number, "service": name}
+        pieces = list(encoded({**call, "args": message.get("args", {})}, "none", 0))
+        slim = {key: message[key] for key in _OF_ANSWERS if key in message}
+        size = sys.getsizeof(self._data) + ENTRY
+        self.budget.hold(size)
+        calls[number] = Offered(self, slim, provider, size)
+        for data in pieces:
+            provider._outbox.reply(data, self.budget)
+
+    def _answer(self, name: str, data: Data) -> Iterable[Data]:
+        """Calls a service. Returns the response; on a thread of the pool."""
+        message = message_of(data)
+        try:
+            return _response(message, self._values(name, message), True)
+        except FlatlandError as error:
+            return _response(message, str(error), False)
+        except Exception as error:  # the client would wait for ever
+            logger.exception("%s has failed", name)
+            return _response(message, f"{name} has failed: {shortened(repr(error))}", False)
+
+    def _values(self, name: str, message: Message) -> Any:
         arguments = message.get("args")
         arguments = {} if arguments is None else arguments
         if name in self._rosapi.services:
@@ -227,46 +288,53 @@ class RosbridgeSession:
         return to_plain(response, cbor=message.get("compression") == "cbor")
 
     def _respond(self, call: Message, values: Any, succeeded: bool) -> None:
-        response = {"op": "service_response", "service": call.get("service"), **id_of(call)}
-        try:
-            self._send({**response, "values": values, "result": succeeded}, call)
-        except BridgeError as error:
-            self._send({**response, "values": str(error), "result": False}, call)
+        for data in _response(call, values, succeeded):
+            self._outbox.reply(data)
 
     def _advertise_service(self, message: Message) -> None:
         name = name_of(message, "service")
         if name in self._graph.services or name in self._rosapi.services:
             raise BridgeError(f'there is a service "{name}" already')
-        if self._providers.sessions.setdefault(name, self) is not self:
+        if self._providers.sessions.get(name, self) is not self:
             raise BridgeError(f'another client offers the service "{name}"')
+        self._withdraw(name)
+        self._providers.sessions[name] = self
+        self.budget.hold(_size(name))
 
     def _unadvertise_service(self, message: Message) -> None:
-        name = name_of(message, "service")
+        self._withdraw(name_of(message, "service"))
+
+    def _withdraw(self, name: str) -> None:
+        """Offers a service no longer, if it is the client's."""
         if self._providers.sessions.get(name) is self:
             del self._providers.sessions[name]
+            self.budget.hold(-_size(name))
 
     def _service_response(self, message: Message) -> None:
-        caller, call = self._providers.calls.pop(str(message.get("id")), (None, {}))
-        if caller is not None:
-            caller._respond(call, message.get("values"), message.get("result") is True)
+        number = str(message.get("id"))
+        call = self._providers.calls.get(number)
+        if call is not None and call.provider is self:
+            self._providers.end_call(number)
+            call.caller._respond(call.message, message.get("values"), message.get("result") is True)
 
     # Fragments, and messages about messages
 
     def _fragment(self, message: Message) -> None:
         number, total = whole(message, "num"), whole(message, "total")
-        data, key = field(message, "data", str), str(message.get("id"))
+        data, key = field(message, "data", str), f"{message.get('id')} {total}"
         if number >= total:
             raise BridgeError(f"num: expected less than total ({total}), found {number}")
         parts = self._fragments.setdefault(key, {})
+        self.budget.hold(_size(key, data) - (_size(key, parts[number]) if number in parts else 0))
         parts[number] = data
-        if len(parts) == total:
-            del self._fragments[key]
-            self.handle("".join(parts[index] for index in range(total)))
+        if len(parts) < total:
             return
-        texts = [text for each in self._fragments.values() for text in each.values()]
-        if len(texts) > _MOST_FRAGMENTS or sum(map(len, texts)) > _LARGEST:
-            self._fragments.clear()
-            raise BridgeError("there are too many fragments of incomplete messages")
+        del self._fragments[key]
+        self.budget.hold(-sum(_size(key, part) for part in parts.values()))
+        text = "".join(parts[index] for index in range(total))
+        if len(text) + sum(size * text.count(each) for each, size in _DECODED.items()) > _LARGEST:
+            raise BridgeError(f"the fragments' message takes more than {_LARGEST} bytes")
+        self.handle(text)
 
     def _set_level(self, message: Message) -> None:
         level = field(message, "level", str)
@@ -281,11 +349,24 @@ class RosbridgeSession:
             status = {"op": "status", "level": level, "msg": text}
             self._send({**status, **id_of(about)})
 
-    def _send(self, message: Message, call: Optional[Message] = None) -> None:
-        call = call or {}
-        size = whole(call, "fragment_size", 0)
-        for data in encoded(message, str(call.get("compression")), size):
+    def _send(self, message: Message) -> None:
+        for data in encoded(message, "none", 0):
             self._outbox.reply(data)
+
+
+def _response(call: Message, values: Any, succeeded: bool) -> List[Data]:
+    """The response to a call, in one or more pieces."""
+    response = {"op": "service_response", "service": call.get("service"), **id_of(call)}
+    form = str(call.get("compression")), whole(call, "fragment_size", 0)
+    try:
+        return list(encoded({**response, "values": values, "result": succeeded}, *form))
+    except BridgeError as error:
+        return list(encoded({**response, "values": str(error), "result": False}, *form))
+
+
+def _size(*texts: str) -> int:
+    """Bytes of an entry with some texts."""
+    return ENTRY + sum(map(sys.getsizeof, texts))
 
 
 def _ros1_name(kind: Any) -> str:

@@ -3,8 +3,10 @@
 import logging
 import threading
 import time
-from collections import deque
-from typing import Any, Callable, Deque, Dict, Mapping, Set
+from collections import Counter, deque
+from functools import partial
+from typing import Any, Callable, Deque, Dict, Hashable, Mapping, Set, Tuple
+from typing import Counter as CounterType
 
 from flatland_bridge.graph import BridgeError
 from flatland_server.transport.local_transport import LocalTransport
@@ -15,7 +17,30 @@ from flatland_server.transport.transport import Publisher, Subscription
 logger = logging.getLogger(__name__)
 
 _MOST_WAITING = 1000
-"""Messages and calls that wait for the next step; further ones are refused."""
+"""Messages and calls of a client that wait for the next step; further ones are refused."""
+
+
+class Failures:
+    """Keeps errors from ending the simulation. Each kind is logged once."""
+
+    def __init__(self) -> None:
+        self._kinds: Set[Tuple[str, str]] = set()
+
+    def catch(self, function: Callable[..., object], *arguments: Any) -> None:
+        """Calls a function.
+
+        Args:
+            function: may fail.
+            arguments: passed to it.
+        """
+        try:
+            function(*arguments)
+        except Exception as error:
+            name = getattr(function, "__qualname__", repr(type(function)))
+            kind = name, type(error).__name__
+            if kind not in self._kinds:
+                self._kinds.add(kind)
+                logger.exception("%s has failed; the simulation goes on", name)
 
 
 class SharedTransport(ThreadCalls, LocalTransport):
@@ -27,6 +52,7 @@ class SharedTransport(ThreadCalls, LocalTransport):
     Attributes:
         types: the types of all topics that were opened, by absolute name.
         latched: the absolute names of those that send their last message to new subscribers.
+        failures: of what is called for clients.
         is_ending: makes `process` return at once.
     """
 
@@ -35,7 +61,10 @@ class SharedTransport(ThreadCalls, LocalTransport):
         self.types: Dict[str, str] = {}
         self.latched: Set[str] = set()
         self.is_ending = False
-        self._waiting: Deque[Callable[[], None]] = deque()
+        self.failures = Failures()
+        self._waiting: Deque[Tuple[Callable[[], None], Hashable]] = deque()
+        self._numbers: CounterType[Hashable] = Counter()  # of those, by client
+        self._lock = threading.Lock()
         self._arrival = threading.Event()
 
     def advertise(
@@ -51,20 +80,23 @@ class SharedTransport(ThreadCalls, LocalTransport):
     ) -> Subscription:
         if type_name(message_type) != ANY_TYPE:
             self.types[self.resolve(topic)] = type_name(message_type)
-        return super().subscribe(topic, message_type, callback)
+        return super().subscribe(topic, message_type, partial(self.failures.catch, callback))
 
-    def post(self, action: Callable[[], None]) -> None:
+    def post(self, action: Callable[[], None], client: Hashable = None) -> None:
         """Queues an action for the simulation's thread.
 
         Args:
             action: called between two steps.
+            client: asks for it; None is any that has few of them.
 
         Raises:
-            BridgeError: too many wait already.
+            BridgeError: too many of the client wait already.
         """
-        if len(self._waiting) >= _MOST_WAITING:
-            raise BridgeError("the simulation cannot keep up with messages and calls")
-        self._waiting.append(action)
+        with self._lock:
+            if self._numbers[client] >= _MOST_WAITING:
+                raise BridgeError("the simulation cannot keep up with messages and calls")
+            self._numbers[client] += 1
+            self._waiting.append((action, client))
         self._arrival.set()
 
     def end_error(self) -> Exception:
@@ -85,9 +117,11 @@ class SharedTransport(ThreadCalls, LocalTransport):
 
     def _run_waiting(self) -> None:
         self._arrival.clear()
-        while self._waiting:
-            try:
-                self._waiting.popleft()()
-            except Exception:
-                logger.exception("a client's request failed")
+        for _ in range(len(self._waiting)):  # not those that come meanwhile: time goes on
+            with self._lock:
+                action, client = self._waiting.popleft()
+                self._numbers[client] -= 1
+                if not self._numbers[client]:
+                    del self._numbers[client]
+            self.failures.catch(action)
         super().process()

@@ -3,10 +3,14 @@
 import logging
 import threading
 from concurrent.futures import Future
+from functools import partial
 from pathlib import Path
-from typing import Any, Callable, Dict, FrozenSet, List, Optional, TypeVar
+from typing import Any, Callable, Dict, FrozenSet, List, Optional, Tuple, TypeVar
 
+from flatland_bridge.budget import Budget
+from flatland_bridge.client_calls import let_the_next_begin
 from flatland_bridge.graph import BridgeError, Graph, Receive, Sample, Topics, require_type
+from flatland_bridge.message_size import size_of
 from flatland_bridge.shared_transport import SharedTransport
 from flatland_bridge.simulation_interfaces import SimulationInterfaces
 from flatland_server.config.shipped_worlds import shipped_worlds
@@ -29,6 +33,7 @@ from flatland_server.serving.state_services import StateServices
 from flatland_server.serving.wall_visualization import WallVisualization
 from flatland_server.serving.world_saving import WorldSaving
 from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.simulation.world import World
 from flatland_server.transport.serialized_transforms import TransformQueue
 from flatland_server.transport.tap import Tap
 
@@ -54,14 +59,21 @@ class SimulatedGraph(Graph, Tap):
     Args:
         manager: the simulation; its transport must be a `SharedTransport`.
         state_folder: where clients may save and load states; by default they cannot.
+        world_name: under which clients find the first world, besides its path; if any.
     """
 
-    def __init__(self, manager: SimulationManager, state_folder: Optional[Path] = None) -> None:
+    def __init__(
+        self,
+        manager: SimulationManager,
+        state_folder: Optional[Path] = None,
+        world_name: Optional[str] = None,
+    ) -> None:
         assert isinstance(manager.transport, SharedTransport)
         self._transport = manager.transport
         self._manager = manager
-        self._receivers: Dict[str, List[Receive]] = {}
-        self._lock = threading.Lock()  # of the receivers
+        self._failures = self._transport.failures
+        self._receivers: Dict[str, Tuple[Receive, ...]] = {}
+        self._lock = threading.Lock()  # with which alone topics come and go there
         self._wanted: FrozenSet[str] = frozenset()  # topics, as the transport knows them
         self._host = _Host(self._transport, with_states=state_folder is not None)
         self._transforms = TransformQueue()
@@ -74,19 +86,22 @@ class SimulatedGraph(Graph, Tap):
             StatePublisher(manager, edits),
             MapToOdom(self._transport, lambda: world.odometry_frames),
         )
-        files = _WorldsByName(world, state_folder or world.config.model_folders[0])
+        files = _WorldsByName(world, state_folder or world.config.model_folders[0], world_name)
         ModelServices(world, self._host, files, edits)
         StateServices(manager, self._host, files)
         WorldSaving(manager, self._host, files, edits)
-        standard = SimulationInterfaces(manager, self._host, self._host.actions, edits)
+        standard = SimulationInterfaces(
+            manager, self._host, self._host.actions, edits, files.worlds
+        )
         for name, (kind, action) in standard.actions.items():
             self._host.add(name, kind, action)
         self._topics_timer = RealTimeTimer(_TOPICS_PERIOD)
         self._topics = self._present_topics()
         self._transport.open_tap(self)
-        manager.after_step.append(self._send_step)
-        manager.on_tick += [publisher.update for publisher in publishers]
-        manager.on_tick.append(self._update)
+        catch = self._failures.catch
+        manager.after_step.append(partial(catch, self._send_step))
+        manager.on_tick += [partial(catch, publisher.update) for publisher in publishers]
+        manager.on_tick.append(partial(catch, self._update))
 
     # Graph
 
@@ -102,33 +117,52 @@ class SimulatedGraph(Graph, Tap):
     def nanoseconds(self) -> int:
         return self._manager.timekeeper.nanoseconds
 
-    def subscribe(self, topic: str, receive: Receive) -> Callable[[], None]:
+    def subscribe(
+        self, topic: str, receive: Receive, client: Optional[Budget] = None
+    ) -> Callable[[], None]:
         is_open = True
 
         def begin() -> None:
-            if is_open:
-                with self._lock:
-                    self._receivers[topic] = [*self._receivers.get(topic, ()), receive]
-                self._follow_subscribers()
-                last = self._transport.last_latched(topic)
-                if last is not None:
-                    receive(self._sample(topic, last))
+            with self._lock:
+                if not is_open:
+                    return
+                self._receivers[topic] = (*self._receivers.get(topic, ()), receive)
+            self._follow_subscribers()
+            last = self._transport.last_latched(topic)
+            if last is not None:
+                receive(self._sample(topic, last, is_latched=True))
 
         def end() -> None:
             nonlocal is_open
-            is_open = False
             with self._lock:  # at once: a client may be gone, and the simulation busy
-                rest = [each for each in self._receivers.get(topic, ()) if each is not receive]
-                self._receivers[topic] = rest
+                is_open = False
+                receivers = self._receivers.pop(topic, ())
+                rest = tuple(each for each in receivers if each is not receive)
+                if rest:
+                    self._receivers[topic] = rest
 
-        self._transport.post(begin)
+        self._transport.post(begin, client)
         return end
 
-    def publish(self, topic: str, message: Any) -> None:
+    def publish(self, topic: str, message: Any, client: Optional[Budget] = None) -> None:
         require_type(topic, self._transport.types.get(topic), message)
         if topic in self._topics.published:
             raise BridgeError(f'the topic "{topic}" is published by the simulation')
-        self._transport.post(lambda: self._transport.send(topic, message))
+        size = size_of(message)
+        if client is not None and not client.offer(size):
+            raise BridgeError("the simulation cannot keep up with the client's messages")
+
+        def send() -> None:
+            if client is not None:
+                client.release(size)
+            self._transport.send(topic, message)
+
+        try:
+            self._transport.post(send, client)
+        except BridgeError:
+            if client is not None:
+                client.release(size)
+            raise
 
     def call(self, service: str, request: Any) -> Any:
         kind = self.service_type(service)
@@ -151,9 +185,7 @@ class SimulatedGraph(Graph, Tap):
     def receive(self, topic: str, message: Any, is_latched: bool) -> None:
         receivers = self._receivers.get(topic)
         if receivers:
-            sample = self._sample(topic, message)
-            for receive in receivers:
-                receive(sample)
+            self._failures.catch(self._pass_on, receivers, topic, message, is_latched)
 
     def receive_transform(self, transform: Transform) -> None:
         self._transforms.add(transform)
@@ -167,7 +199,7 @@ class SimulatedGraph(Graph, Tap):
         if data:
             sample = Sample("/tf", self.nanoseconds, TFMessage, data=data)
             for receive in receivers.get("/tf", ()):
-                receive(sample)
+                self._failures.catch(receive, sample)
 
     def _update(self) -> None:
         if self._topics_timer.check_update():
@@ -177,7 +209,8 @@ class SimulatedGraph(Graph, Tap):
 
     def _follow_subscribers(self) -> None:
         """Tells plugins which topics have subscribers."""
-        wanted = frozenset(topic for topic, each in self._receivers.items() if each)
+        with self._lock:
+            wanted = frozenset(self._receivers)
         if wanted != self._wanted:
             self._wanted = wanted
             self._transport.set_subscribed_topics(wanted)
@@ -195,9 +228,16 @@ class SimulatedGraph(Graph, Tap):
             frozenset(transport.latched),
         )
 
-    def _sample(self, topic: str, message: Any) -> Sample:
+    def _pass_on(
+        self, receivers: Tuple[Receive, ...], topic: str, message: Any, is_latched: bool
+    ) -> None:
+        sample = self._sample(topic, message, is_latched=is_latched)
+        for receive in receivers:
+            self._failures.catch(receive, sample)
+
+    def _sample(self, topic: str, message: Any, *, is_latched: bool) -> Sample:
         message_type = get(message._type)
-        return Sample(topic, self.nanoseconds, message_type, message)
+        return Sample(topic, self.nanoseconds, message_type, message, is_latched=is_latched)
 
 
 class _Host(ServiceHost):
@@ -227,11 +267,30 @@ class _Host(ServiceHost):
         return self._transport.call(function)
 
     def wait(self, future: "Future[T]") -> T:
+        let_the_next_begin()  # one that ends the wait, such as /pause
         return self._transport.wait(future)
 
 
 class _WorldsByName(ClientFiles):
-    """Clients name shipped worlds, and files in the folders of the world."""
+    """Clients name shipped worlds, that of the beginning, and files in the folders of the world.
+
+    Args:
+        world: the simulated world.
+        state_folder: as for `ClientFiles`.
+        name: of the present world, besides its path; if any.
+    """
+
+    def __init__(self, world: World, state_folder: Path, name: Optional[str]) -> None:
+        super().__init__(world, state_folder)
+        path = world.config.path
+        self._first = {} if path is None else {str(path.absolute()): path, str(path): path}
+        if path is not None and name is not None:
+            self._first[name] = path
+
+    def worlds(self) -> List[Path]:
+        """The worlds that clients can open by name."""
+        return list(dict.fromkeys([*self._first.values(), *shipped_worlds().values()]))
 
     def world_file(self, name: str) -> Path:
-        return shipped_worlds().get(name) or super().world_file(name)
+        worlds = {**shipped_worlds(), **self._first}
+        return worlds.get(name) or super().world_file(name)

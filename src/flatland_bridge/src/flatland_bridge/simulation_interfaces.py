@@ -1,12 +1,11 @@
 """The services of simulation_interfaces 2.1, which Gazebo and Isaac Sim offer, too."""
 
 from pathlib import Path
-from typing import Any, Dict, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 from flatland_bridge import simulation_types
 from flatland_bridge.simulation_entities import EntityServices
 from flatland_bridge.simulation_results import Calls, Failure, Result, path_of, with_result
-from flatland_server.config.shipped_worlds import shipped_worlds
 from flatland_server.exceptions import YamlError
 from flatland_server.messages.service_types import ServiceType
 from flatland_server.serving.client_edits import ClientEdits
@@ -41,6 +40,7 @@ class SimulationInterfaces:
         host: runs what changes it.
         actions: of Flatland's own services, by their absolute names.
         edits: is told of changes.
+        worlds: returns the files of the worlds that clients can open by name.
     """
 
     def __init__(
@@ -49,8 +49,10 @@ class SimulationInterfaces:
         host: ServiceHost,
         actions: Mapping[str, Action],
         edits: ClientEdits,
+        worlds: Callable[[], List[Path]],
     ) -> None:
         self._manager = manager
+        self._worlds = worlds
         self._host = host
         self._call = Calls(actions)
         self._entities = EntityServices(manager, host, self._call, edits)
@@ -139,7 +141,7 @@ class SimulationInterfaces:
         return {"world": _world_resource(path)}
 
     def _get_worlds(self, request: Any) -> Dict[str, Any]:
-        return {"worlds": [_world_resource(path) for path in shipped_worlds().values()]}
+        return {"worlds": [_world_resource(path) for path in self._worlds()]}
 
 
 def _features(request: Any) -> Dict[str, Any]:

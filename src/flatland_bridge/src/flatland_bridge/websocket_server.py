@@ -6,12 +6,24 @@ import logging
 import os
 import threading
 from concurrent.futures import Future
-from contextlib import AsyncExitStack
+from contextlib import AsyncExitStack, suppress
+from dataclasses import dataclass
 from functools import partial
 from http import HTTPStatus
 from pathlib import Path
-from typing import Callable, Dict, NamedTuple, Optional, Protocol, Sequence, Set
-from urllib.parse import parse_qs, urlsplit
+from typing import (
+    Any,
+    Callable,
+    ClassVar,
+    Dict,
+    List,
+    NamedTuple,
+    Optional,
+    Protocol,
+    Sequence,
+    Set,
+)
+from urllib.parse import parse_qs, quote, urlsplit
 
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.datastructures import Headers
@@ -19,8 +31,12 @@ from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 from websockets.typing import Subprotocol
 
+from flatland_bridge.budget import CLIENT_MEMORY, Budget, Budgets
 from flatland_bridge.graph import BridgeError
 from flatland_bridge.outbox import Data, Send
+from flatland_server.exceptions import shortened
+
+logger = logging.getLogger(__name__)
 
 PAGE = Path(__file__).parent / "page"
 
@@ -33,13 +49,28 @@ _FILES = {
 }
 """All that the server has of the file system, by its path in the URL."""
 
-_MOST_CLIENTS = 64
+MOST_CLIENTS = 64
+"""Clients of all protocols. One that has left counts until its last call has ended."""
+_MOST_CONNECTIONS = 256
+"""Connections, with those that have not asked for anything yet."""
+_LARGEST_REQUEST = 64_000
+"""Bytes of the request to open a WebSocket."""
+_LARGEST_READ = 32_000
+"""Bytes that are read of a client before it is the others' turn."""
+_LARGEST_UNREAD = 64_000
+"""Bytes of answers to pings that a client leaves unread."""
+_CLOSE_TIMEOUT = 1.0
+"""Real time for the last message to a client that has to go [s]."""
+_TOO_MUCH = 1008
+"""A code of RFC 6455: the client has broken a rule."""
 _LARGEST_MESSAGE = 1_000_000
 """Bytes of a message of a client; larger ones may come in fragments."""
+_GONE = (ConnectionClosed, ConnectionError)
 _LOOPBACK = ("localhost", "127.0.0.1", "::1")
 
 
-class Access(NamedTuple):
+@dataclass(frozen=True)
+class Access:
     """Who may connect.
 
     Attributes:
@@ -47,11 +78,18 @@ class Access(NamedTuple):
         token: what a URL must have as `?token=`, or a header as `Authorization: Bearer`; if any.
         origins: of other pages whose scripts may connect, such as "https://example.org"; "null" is
             a page from a file.
+
+    Raises:
+        BridgeError: the token is empty.
     """
 
     host: str = "127.0.0.1"
     token: Optional[str] = None
     origins: Sequence[str] = ()
+
+    def __post_init__(self) -> None:
+        if self.token == "":
+            raise BridgeError("token: expected one character or more, found an empty text")
 
     @property
     def is_local(self) -> bool:
@@ -90,8 +128,11 @@ class Session(Protocol):
     async def run(self, send: Send) -> None:
         """Sends messages for ever."""
 
+    def status(self, text: str) -> Data:
+        """A message that tells the client of an error."""
+
     def close(self) -> None:
-        """Ends all that the client has begun."""
+        """Ends all that the client has begun, and closes its budget once nothing of it goes on."""
 
 
 class Endpoint(NamedTuple):
@@ -100,14 +141,14 @@ class Endpoint(NamedTuple):
     Attributes:
         name: of the protocol, for errors.
         port: to listen at; 0 takes a free one.
-        open_session: called for each client.
+        open_session: called for each client, with its budget.
         subprotocols: of which clients must know one; without any, they need none.
         has_page: whether browsers get the page there.
     """
 
     name: str
     port: int
-    open_session: Callable[[], Session]
+    open_session: Callable[[Budget], Session]
     subprotocols: Sequence[str] = ()
     has_page: bool = False
 
@@ -118,6 +159,7 @@ class WebSocketServer:
     Args:
         endpoints: what to serve.
         access: who may connect.
+        client_memory: bytes that are kept for each client.
 
     Attributes:
         ports: of the endpoints, by their names.
@@ -126,10 +168,16 @@ class WebSocketServer:
         BridgeError: a port or the address cannot be used.
     """
 
-    def __init__(self, endpoints: Sequence[Endpoint], access: Access = Access()) -> None:  # noqa: B008
+    def __init__(
+        self,
+        endpoints: Sequence[Endpoint],
+        access: Access = Access(),
+        client_memory: int = CLIENT_MEMORY,
+    ) -> None:
         self._access = access
-        self._clients: Set[ServerConnection] = set()
+        self._budgets = Budgets(client_memory)
         self._loop = asyncio.new_event_loop()
+        self._loop.set_exception_handler(_LoopErrors().handle)
         started: Future[Dict[str, int]] = Future()
         self._thread = threading.Thread(
             target=lambda: self._loop.run_until_complete(self._run(endpoints, started)),
@@ -148,7 +196,7 @@ class WebSocketServer:
         """
         host = self._access.host
         host = "localhost" if host in ("0.0.0.0", "::", "", *_LOOPBACK) else host
-        token = f"/?token={self._access.token}" if self._access.token else "/"
+        token = f"/?token={quote(self._access.token, safe='')}" if self._access.token else "/"
         return f"{scheme}://{host}:{self.ports[name]}{token}"
 
     def close(self) -> None:
@@ -173,6 +221,8 @@ class WebSocketServer:
                 ports[endpoint.name] = server.sockets[0].getsockname()[1]
             started.set_result(ports)
             await self._ending.wait()
+            # Clients that do not read would hold up the end until they time out.
+            self._loop.call_later(_CLOSE_TIMEOUT, _Connection.abort_all, self._loop)
 
     def _open(self, endpoint: Endpoint) -> serve:
         return serve(
@@ -183,16 +233,27 @@ class WebSocketServer:
             subprotocols=[Subprotocol(name) for name in endpoint.subprotocols] or None,
             compression=None,  # costs more time than it saves on this machine
             max_size=_LARGEST_MESSAGE,
-            max_queue=16,
-            close_timeout=1.0,  # the server ends even if clients do not read
+            max_queue=1,  # a client's next message; further ones wait in its own socket
+            close_timeout=_CLOSE_TIMEOUT,  # the server ends even if clients do not read
             server_header="Flatland",
             logger=_quiet_logger(),
+            create_connection=_Connection,
         )
 
     def _check(
         self, endpoint: Endpoint, connection: ServerConnection, request: Request
     ) -> Optional[Response]:
         """The response to a request for a file, or to one that is refused."""
+        try:
+            return self._refusal(endpoint, connection, request)
+        except (LookupError, ValueError):  # a path that is none, or a header that comes twice
+            return connection.respond(HTTPStatus.BAD_REQUEST, "expected another request\n")
+        except OSError:  # too many files are open
+            return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, "try again\n")
+
+    def _refusal(
+        self, endpoint: Endpoint, connection: ServerConnection, request: Request
+    ) -> Optional[Response]:
         if "websocket" not in request.headers.get("Upgrade", "").lower():
             return _file(urlsplit(request.path).path if endpoint.has_page else "")
         if not self._access.allows_origin(request.headers.get("Origin")):
@@ -200,24 +261,124 @@ class WebSocketServer:
             return connection.respond(HTTPStatus.FORBIDDEN, text)
         if not self._access.allows_token(request):
             return connection.respond(HTTPStatus.UNAUTHORIZED, "expected ?token=TOKEN\n")
-        if len(self._clients) >= _MOST_CLIENTS:
+        if len(self._budgets) >= MOST_CLIENTS:
             return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, "too many clients\n")
         return None
 
     async def _serve(self, endpoint: Endpoint, connection: ServerConnection) -> None:
-        self._clients.add(connection)
-        session = endpoint.open_session()
-        sender = asyncio.ensure_future(session.run(connection.send))
+        excess: asyncio.Future[str] = self._loop.create_future()
+
+        def dismiss(reason: str) -> None:
+            with suppress(RuntimeError):  # the server has ended
+                self._loop.call_soon_threadsafe(excess.set_result, reason)
+
+        budget = self._budgets.open(dismiss)
         try:
-            async for data in connection:
-                session.handle(data)
-                await asyncio.sleep(0)  # the other clients' turn
-        except (ConnectionClosed, ConnectionError):
-            pass
+            session = endpoint.open_session(budget)
+        except BaseException:
+            budget.close()
+            raise
+        tasks: List[asyncio.Future[None]] = [
+            asyncio.ensure_future(_receive(connection, session, budget)),
+            asyncio.ensure_future(session.run(connection.send)),
+        ]
+        try:
+            ends: List[asyncio.Future[Any]] = [excess, *tasks]
+            await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
         finally:
-            self._clients.discard(connection)
-            sender.cancel()
             session.close()
+            for task in tasks:
+                task.cancel()
+            for error in await asyncio.gather(*tasks, return_exceptions=True):
+                if isinstance(error, Exception) and not isinstance(error, _GONE):
+                    logger.error("a client is disconnected", exc_info=error)
+        if excess.done():
+            await _dismiss(connection, session, excess.result())
+
+
+async def _receive(connection: ServerConnection, session: Session, budget: Budget) -> None:
+    """Passes a client's messages on, until it leaves or has to go."""
+    async for data in connection:
+        try:
+            session.handle(data)
+        except Exception as error:  # of any kind; the others go on, and so does it
+            logger.exception("a message of a client has failed")
+            await connection.send(session.status(f"failed: {shortened(repr(error))}"))
+        await asyncio.sleep(0)  # the other clients' turn
+        if budget.goes:
+            return
+
+
+async def _dismiss(connection: ServerConnection, session: Session, reason: str) -> None:
+    """Tells a client why it has to go, if it reads, and disconnects it."""
+
+    async def tell() -> None:
+        await connection.send(session.status(reason))
+        await connection.close(_TOO_MUCH, reason)
+
+    async def discard() -> None:  # up to its own goodbye
+        async for _ in connection:
+            pass
+
+    both = asyncio.gather(tell(), discard(), return_exceptions=True)
+    with suppress(asyncio.TimeoutError):
+        await asyncio.wait_for(both, _CLOSE_TIMEOUT)
+    connection.transport.abort()
+
+
+class _Connection(ServerConnection):  # type: ignore[misc]
+    """A connection with limits for what comes before and besides messages."""
+
+    _all: ClassVar[Set[ServerConnection]] = set()
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        self._received = self._unread = 0
+        super().connection_made(transport)
+        self._all.add(self)
+        limited: Any = transport
+        limited.max_size = _LARGEST_READ
+        if len(self._all) > _MOST_CONNECTIONS:
+            self.transport.abort()
+
+    @classmethod
+    def abort_all(cls, loop: asyncio.AbstractEventLoop) -> None:
+        """Ends all connections of a loop."""
+        for each in list(cls._all):
+            if each.loop is loop:
+                each.transport.abort()
+
+    def connection_lost(self, exc: Optional[Exception]) -> None:
+        self._all.discard(self)
+        super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        before = self.transport.get_write_buffer_size()
+        super().data_received(data)
+        # It has sent nothing but answers to pings, for which it does not wait.
+        self._unread = self.transport.get_write_buffer_size() - before + self._unread * (before > 0)
+        self._received += len(data) * (self.request is None)
+        if self._unread > _LARGEST_UNREAD or self._received > _LARGEST_REQUEST:
+            self.transport.abort()
+
+    def resume_writing(self) -> None:
+        self._unread = 0
+        super().resume_writing()
+
+
+class _LoopErrors:
+    """What the event loop says of errors: a lack of open files once, as a line."""
+
+    def __init__(self) -> None:
+        self._has_warned = False
+
+    def handle(self, loop: asyncio.AbstractEventLoop, context: Dict[str, Any]) -> None:
+        """An exception handler of asyncio. The loop accepts connections again after a second."""
+        error = context.get("exception")
+        if not isinstance(error, OSError):
+            loop.default_exception_handler(context)
+        elif not self._has_warned:
+            self._has_warned = True
+            logger.warning("no further client can connect for now: %s", error)
 
 
 def _file(path: str) -> Response:

@@ -64,6 +64,14 @@ def add_parser(commands: Subparsers) -> None:
         help='pages of this origin may connect, too: https://example.org; "null": pages from files',
     )
     parser.add_argument(
+        "--client-memory",
+        type=whole_from(1),
+        default=16,
+        metavar="MB",
+        help="what is kept for a client: it loses old messages of topics, and with more of other "
+        "things its connection (default: %(default)s)",
+    )
+    parser.add_argument(
         "--state-folder",
         type=Path,
         metavar="FOLDER",
@@ -107,6 +115,7 @@ def _execute(options: argparse.Namespace) -> int:
         access=access,
         rosbridge_port=options.port,
         foxglove_port=options.foxglove_port,
+        client_memory=options.client_memory * 1_000_000,
         ros2=options.ros2,
     )
     with server, interrupts() as is_interrupted:
