@@ -158,7 +158,7 @@ def test_the_kernel_ends_a_worker_that_computes_for_too_long():
         stdout=subprocess.PIPE,
     )
     assert worker.stdin is not None
-    worker.stdin.write(b'{"code": "while true do end"}\n')
+    worker.stdin.write(b'{"code": "while true do end", "seed": 0}\n')
     worker.stdin.flush()
 
     assert worker.wait(60) == -signal.SIGXCPU

@@ -10,9 +10,9 @@ another process, and ends with its parent. (A filter of system calls would also 
 need none of these, such as deleting a file; but it needs a table of their numbers for each
 processor, and an expression has no means to make a system call.)
 
-The protocol is JSON, one message per line. Input: `{"code": ...}`. Output: `{"value": ...}`,
-`{"error": ...}`, or `{"call": "env" | "param", "arguments": [...]}`, to which the parent process
-replies with `{"value": ...}` or `{"error": ...}`.
+The protocol is JSON, one message per line. Input: `{"code": ..., "seed": ...}`. Output:
+`{"value": ..., "is_random": ...}`, `{"error": ...}`, or `{"call": "env" | "param", "arguments":
+[...]}`, to which the parent process replies with `{"value": ...}` or `{"error": ...}`.
 """
 
 import ctypes
@@ -40,6 +40,7 @@ _MAX_DEPTH = 50  # of nested tables
 _SANDBOX = """
 local ask_python = ...
 local load_text, set_globals, count, raise = loadstring, setfenv, select, error
+local draw, set_seed, is_random = math.random, math.randomseed, false
 local names = {"tonumber", "tostring", "type", "pairs", "ipairs", "next", "select", "unpack",
                "assert", "error"}
 local libraries = {math = math, string = string, table = table}
@@ -57,18 +58,21 @@ local function globals()
     for key, value in pairs(library) do visible[name][key] = value end
   end
   visible.string.dump = nil
+  visible.math.random = function(...) is_random = true; return draw(...) end
   return setmetatable(visible, {__index = function(_, name)
     raise('"' .. tostring(name) .. '" is not available in $eval', 0)
   end})
 end
 
-return function(code)
+return function(code, seed)
   -- The "=" keeps the code out of messages. A string that begins with an escape is bytecode.
   if code:sub(1, 1) == "\\27" then raise("bytecode is not allowed", 0) end
   local chunk, problem = load_text("return " .. code, "=$eval")
   if not chunk then chunk, problem = load_text(code, "=$eval") end
   if not chunk then raise(problem, 0) end
-  return (set_globals(chunk, globals())())
+  set_seed(seed)
+  is_random = false
+  return (set_globals(chunk, globals())()), is_random
 end
 """
 
@@ -94,8 +98,10 @@ class Worker:
         for line in sys.stdin:
             _limit_cpu_time()
             try:
-                value = self._to_python(self._evaluate(json.loads(line)["code"]), [_MAX_VALUES])
-                _send({"value": value})
+                message = json.loads(line)
+                value, is_random = self._evaluate(message["code"], message["seed"])
+                value = self._to_python(value, [_MAX_VALUES])
+                _send({"value": value, "is_random": is_random})
             except MemoryError:
                 _send({"error": "not enough memory"})
             except Exception as error:

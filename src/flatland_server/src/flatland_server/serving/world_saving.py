@@ -127,6 +127,7 @@ class WorldSaving:
             models=(*entries, *changes.added),
             model_folders=(path.parent, *config.model_folders[1:]),
             path=path,
+            with_seed=None,  # it has the saved values, whatever the seed
         )
         self._edits.clear()
         if manager.history is not None:
