@@ -80,6 +80,7 @@ def test_the_folder_does_not_matter(world, tmp_path, monkeypatch):
 
 def test_a_reset_draws_as_its_seed_says_and_reads_no_file(world):
     expected = {seed: drawn(world, seed) for seed in (1, 2)}
+    assert expected[1] != expected[2]
     with Simulation(world, seed=1) as simulation:
         for name in FILES:
             (world.parent / name).write_text("{}")
@@ -92,10 +93,12 @@ def test_a_reset_draws_as_its_seed_says_and_reads_no_file(world):
 
 def test_a_saved_state_brings_its_numbers_back(world):
     with Simulation(world, seed=1) as simulation:
+        y = simulation.poses[0, 1]
         simulation.models["robot"].command(0.5, 0.2)
         state = simulation.step(50).save_state()
         before = facts(simulation)
         simulation.reset(2)
+        assert simulation.poses[0, 1] != y
         simulation.load_state(state)
         assert facts(simulation) == before
 
