@@ -10,7 +10,6 @@ from PIL import Image
 
 from flatland2d import Simulation, SimulationBatch
 from flatland2d.cli import main
-from flatland_server.simulation.world import World
 
 WORLD, MAP, LINES, MODEL = "world.yaml", "map.yaml", "lines.yaml", "robot.model.yaml"
 ROOM = """\

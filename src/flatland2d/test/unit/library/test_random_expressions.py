@@ -39,7 +39,9 @@ def world(tmp_path) -> Path:
 
 def facts(simulation: Simulation) -> bytes:
     """All that is drawn: the pose, the radius, and the walls of both maps."""
-    [radius] = [each.shape.radius for each in simulation.world.config.models[0].model.bodies[0].footprints]
+    [radius] = [
+        each.shape.radius for each in simulation.world.config.models[0].model.bodies[0].footprints
+    ]
     walls = [layer.segments.ravel() for layer in simulation.world.layers]
     ranges = simulation.models["robot"].sensors["laser"].read()
     return np.concatenate([simulation.poses.ravel(), [radius], *walls, ranges]).tobytes()
@@ -61,7 +63,9 @@ def test_each_expression_has_random_numbers_of_its_own(world):
         assert x != y
 
     more = "properties: {}  # and\n# a comment\nplugins: []\n"
-    world.write_text(WORLD.replace("properties: {}\n", more).replace("[0, 0,", "[0, $eval math.random(2) * 0,"))
+    world.write_text(
+        WORLD.replace("properties: {}\n", more).replace("[0, 0,", "[0, $eval math.random(2) * 0,")
+    )
     with Simulation(world, seed=1) as simulation:
         assert simulation.poses[0, :2].tolist() == [x, y]
 
@@ -118,7 +122,11 @@ def test_environments_have_those_of_their_seeds(world):
 
 
 def test_a_content_is_drawn_likewise(world):
-    model = {"bodies": [{"name": "base", "footprints": [{"type": "circle", "radius": 0.2, "density": 1}]}]}
+    model = {
+        "bodies": [
+            {"name": "base", "footprints": [{"type": "circle", "radius": 0.2, "density": 1}]}
+        ]
+    }
     entry = {"name": "robot", "pose": ["$eval math.random()", 0, 0], "model": model}
     content = {"properties": {}, "layers": [], "models": [entry]}
     places = []

@@ -335,7 +335,7 @@ def read_threshold(reader: YamlReader) -> float:
         reader: of the map.
     """
     threshold = reader.get_float("occupied_thresh")
-    if not 0.0 <= threshold < 1.0:
+    if reader.is_sound and not 0.0 <= threshold < 1.0:
         message = f"expected a fraction from 0 to 1 (below 1), found {threshold:g}"
         reader.warn(message, "occupied_thresh")
     return threshold
