@@ -23,6 +23,7 @@ import resource
 import signal
 import sys
 import time
+from _random import Random  # `random` imports more than all of this program
 from typing import Any, Dict, List
 
 try:
@@ -38,9 +39,9 @@ _MAX_DEPTH = 50  # of nested tables
 # Everything that an expression has access to. Each expression gets new tables. `env` and `param`
 # are Lua functions that wrap a Python one, so that expressions have access to no Python object.
 _SANDBOX = """
-local ask_python = ...
+local ask_python, draw, set_seed = ...
 local load_text, set_globals, count, raise = loadstring, setfenv, select, error
-local draw, set_seed, is_random = math.random, math.randomseed, false
+local floor, is_random = math.floor, false
 local names = {"tonumber", "tostring", "type", "pairs", "ipairs", "next", "select", "unpack",
                "assert", "error"}
 local libraries = {math = math, string = string, table = table}
@@ -58,7 +59,14 @@ local function globals()
     for key, value in pairs(library) do visible[name][key] = value end
   end
   visible.string.dump = nil
-  visible.math.random = function(...) is_random = true; return draw(...) end
+  visible.math.randomseed = function(seed) set_seed(seed) end
+  visible.math.random = function(low, high)
+    is_random = true
+    if not low then return draw() end
+    if not high then low, high = 1, low end
+    if low > high then raise("math.random: the interval is empty", 0) end
+    return low + floor(draw() * (high - low + 1))
+  end
   return setmetatable(visible, {__index = function(_, name)
     raise('"' .. tostring(name) .. '" is not available in $eval', 0)
   end})
@@ -91,7 +99,11 @@ class Worker:
             register_builtins=False,
             unpack_returned_tuples=True,
         )
-        self._evaluate = self._lua.execute(_SANDBOX, self._call)
+        # Not Lua's own: that of LuaJIT, and of another C library, gives other numbers.
+        self._random = Random()
+        self._evaluate = self._lua.execute(
+            _SANDBOX, self._call, self._random.random, self._set_seed
+        )
 
     def serve(self) -> None:
         """Evaluates expressions until standard input ends."""
@@ -106,6 +118,9 @@ class Worker:
                 _send({"error": "not enough memory"})
             except Exception as error:
                 _send({"error": _message(error)})
+
+    def _set_seed(self, seed: float) -> None:
+        self._random.seed(int(seed))
 
     def _call(self, name: str, count: float, *arguments: Any) -> Any:
         given = list(arguments) + [None] * (int(count) - len(arguments))
