@@ -77,7 +77,8 @@ def _warn_of_size(entry: ModelEntry, room: _Room) -> bool:
     """Warns of a model that is too large for the room, or far outside; returns whether it is."""
     limit = _LARGEST_MODEL if room.is_open else room.size
     for body in entry.model.bodies:
-        reach = math.hypot(*body.pose[:2]) + max(map(_reach, body.footprints), default=0.0)
+        corners = [corner for each in body.footprints for corner in each.shape.outline()]
+        reach = math.hypot(*body.pose[:2]) + max((math.hypot(*each) for each in corners), default=0.0)
         if reach > limit:
             if body.reader is not None:
                 where = "" if room.is_open else f", in a world of {limit:.4g} m"
@@ -190,11 +191,3 @@ def _gap(footprint: Footprint, point: Point) -> float:
     ways = np.array(point) - starts
     along = np.clip((ways * sides).sum(1) / (sides * sides).sum(1), 0.0, 1.0)
     return float(np.hypot(*(ways - along[:, None] * sides).T).min())
-
-
-def _reach(footprint: Footprint) -> float:
-    """The greatest distance of a point of a footprint to its body's origin [m]."""
-    shape = footprint.shape
-    if isinstance(shape, Circle):
-        return math.hypot(*shape.center) + shape.radius
-    return max(math.hypot(*vertex) for vertex in shape.vertices)
