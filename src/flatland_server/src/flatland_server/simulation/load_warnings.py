@@ -78,7 +78,8 @@ def _warn_of_size(entry: ModelEntry, room: _Room) -> bool:
     limit = _LARGEST_MODEL if room.is_open else room.size
     for body in entry.model.bodies:
         corners = [corner for each in body.footprints for corner in each.shape.outline()]
-        reach = math.hypot(*body.pose[:2]) + max((math.hypot(*each) for each in corners), default=0.0)
+        size = max((math.hypot(*each) for each in corners), default=0.0)
+        reach = math.hypot(*body.pose[:2]) + size
         if reach > limit:
             if body.reader is not None:
                 where = "" if room.is_open else f", in a world of {limit:.4g} m"
