@@ -50,7 +50,7 @@ def open_world(
         raise UsageError(f"expected a PluginLoader as loader, found {shown(loader)}")
     if isinstance(source, WorldConfig):
         return World(source, transport, seed=seed, loader=loader or exported_plugins())
-    with closing(YamlPreprocessor(transport.get_param)) as preprocessor:
+    with closing(YamlPreprocessor(transport.get_param, seed)) as preprocessor:
         read: Any = WorldConfig.from_file
         content: Any = source
         if isinstance(source, Mapping):

@@ -1,7 +1,5 @@
 """PosePublisher: the true pose of a body."""
 
-import logging
-
 from flatland_plugins.other_names import given_name
 from flatland_server import (
     BatchRole,
@@ -16,8 +14,6 @@ from flatland_server import (
 )
 
 PoseStamped = messages.get("geometry_msgs/PoseStamped")
-
-logger = logging.getLogger(__name__)
 
 
 class PosePublisher(ModelPlugin):
@@ -36,7 +32,7 @@ class PosePublisher(ModelPlugin):
         config.finish()
 
         if unused:
-            logger.warning("%s: no effect: %s", self.node.owner, " and ".join(unused))
+            config.warn(f"no effect: {' and '.join(unused)}")
         self.update_timer = UpdateTimer(update_rate)
         self._publisher = self.node.advertise(topic, "geometry_msgs/PoseStamped")
 

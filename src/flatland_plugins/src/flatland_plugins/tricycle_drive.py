@@ -1,14 +1,11 @@
 """TricycleDrive: a body on a steered front wheel and an unsteered rear axle."""
 
-import logging
 import math
 from typing import Any, Optional, Tuple
 
 from flatland_plugins.dynamics_limits import DynamicsLimits
 from flatland_plugins.twist_drive import TwistDrive, read_dynamics
 from flatland_server import CoreDrive, Joint, ModelBody, YamlReader
-
-logger = logging.getLogger(__name__)
 
 Point = Tuple[float, float]
 
@@ -48,6 +45,7 @@ class TricycleDrive(TwistDrive):
         if left is not None and right is not None:
             axle = self._rear_axle(config, left[1], right[1])
         max_steer_angle = config.get_float("max_steer_angle", 0.0, minimum=0.0)
+        config.warn_of_degrees(max_steer_angle, "max_steer_angle")
         linear, angular = read_dynamics(config)
         angular = _with_deprecated(config, angular)
         config.finish()
@@ -114,7 +112,7 @@ def _with_deprecated(config: YamlReader, angular: DynamicsLimits) -> DynamicsLim
         value = config.get_float(old, 0.0, minimum=0.0)
         if not config.has(old):
             continue
-        logger.warning("%s", config.error(f"is deprecated; write angular_dynamics.{new}", old))
+        config.warn(f"is deprecated; write angular_dynamics.{new}", old)
         if getattr(angular, new) == 0.0:
             angular = angular._replace(**{new: value})
             if new == "acceleration_limit" and angular.deceleration_limit == 0.0:

@@ -17,7 +17,7 @@ class Tween(ModelPlugin):
         """Reads the documented keys; opens the topic if the mode needs it."""
         trigger_topic = config.get_topic("trigger_topic", "tween_trigger")
         duration = config.get_float("duration", 1.0, above=0.0)
-        delta = config.get_pose("delta")
+        delta = config.get_pose("delta", is_motion=True)
         body = self.get_body(config)
         mode = config.get_choice("mode", TWEEN_MODES, "yoyo")
         easing = config.get_choice("easing", EASINGS, "linear")

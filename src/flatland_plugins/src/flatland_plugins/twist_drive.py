@@ -39,6 +39,10 @@ class TwistDrive(OdometryPlugin, ABC):
 
     def on_initialize(self, config: YamlReader) -> None:
         body = self.get_body(config)
+        if body.config.type != "dynamic":
+            effect = "never moves" if body.config.type == "static" else "is stopped by no wall"
+            found = f"a {body.config.type} one, which {effect}"
+            config.warn(f"expected a dynamic body, found {found}", "body")
         twist_sub = config.get_topic("twist_sub", "cmd_vel")
         pub_rate = config.get_rate("pub_rate", math.inf)
         self.read_frames(config)

@@ -34,6 +34,13 @@ struct BodyRecord {
     std::vector<std::vector<uint32_t>> blocks;  // of each large layer
   };
 
+  /// Gives a dynamic body the mass of its fixtures. Box2D takes 1 kg, and a centre at the origin,
+  /// if they have none; a body that never gets a mass would pass through walls.
+  void SetMass() const {
+    const b2MassData data = mass.ToBox2D();
+    body->SetMassData(&data);
+  }
+
   b2Body* body = nullptr;
   bool is_layer = false;
   bool is_person = false;  // of a crowd

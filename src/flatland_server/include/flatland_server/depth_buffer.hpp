@@ -41,7 +41,8 @@ class DepthBuffer {
   /// call.
   const std::vector<int>& FindVisible(const BoundingCircles& circles, const Pose& lidar);
 
-  // Shapes in the lidar's frame [m]. A shape that contains the lidar is not drawn.
+  // Shapes in the lidar's frame [m]. A shape that contains the lidar, or is within a millimetre of
+  // it, is not drawn.
   void DrawCircle(Vec2 center, double radius);
   /// A convex polygon, its corners in counter-clockwise order.
   void DrawPolygon(const Vec2* corners, int count);

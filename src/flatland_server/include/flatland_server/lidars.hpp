@@ -49,7 +49,7 @@ class Lidars {
   const WallList* ScanInto(LidarHandle lidar, float* ranges, const AccessGuard& guard) const;
   /// Scans from a pose in the world [m, m, rad]. Writes fan.size() values to each array: the
   /// distance [m] to what each beam meets first, or +infinity (REP 117), and its intensity, 0 or
-  /// 255. Shapes that contain the lidar are not seen.
+  /// 255. Shapes that contain the lidar, or are within a millimetre of it, are not seen.
   void Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
             float* intensities) const {
     Scan(fan, pose, settings, ranges, intensities, AccessGuard(access_));

@@ -65,6 +65,10 @@ constexpr double kRangeTolerance = 1e-12;
 /// A reflecting wall or fixture may be farther than another by this fraction, and is still seen.
 constexpr double kTieTolerance = 1e-9;
 
+/// A shape at this distance, or nearer, counts as one that contains the lidar [m]: from a point of
+/// its outline, rounding alone decides which of its sides are seen.
+constexpr double kNearestShape = 1e-3;
+
 /// The nearest blocks of a list are drawn at once: it takes longer to find out that one is hidden.
 constexpr size_t kNearBlocks = 16;
 
@@ -187,6 +191,17 @@ FLATLAND_CLONES void DrawCircleOn(const BeamFan& fan, double* inverse, Vec2 cent
   }
 }
 
+/// True if the side of a polygon from a to b is too near to the lidar to be seen.
+bool IsTooNear(Vec2 a, Vec2 b) {
+  constexpr double kSquare = kNearestShape * kNearestShape;
+  const Vec2 side = b - a;
+  const double square_length = Dot(side, side), cross = Cross(a, b);
+  if (cross * cross > kSquare * square_length) return false;  // its line is not near
+  const double along = std::clamp(-Dot(a, side) / square_length, 0.0, 1.0);
+  const Vec2 nearest = a + along * side;
+  return Dot(nearest, nearest) <= kSquare;
+}
+
 FLATLAND_CLONES void DrawSide(const BeamFan& fan, double* inverse, Vec2 a, Vec2 b, double cross) {
   for (const BeamFan::Run& run : fan.BeamsBetween(a, b)) {
     if (run.begin < run.end) DrawOn(fan, inverse, run, a, b, 1.0 / cross);
@@ -242,11 +257,15 @@ void DepthBuffer::Draw(const SegmentTree& walls, const Pose& lidar) {
 
 void DepthBuffer::DrawCircle(Vec2 center, double radius) {
   const double square_distance = Dot(center, center);
-  const bool is_outside = square_distance > radius * radius;
+  const double nearest = radius + kNearestShape;
+  const bool is_outside = square_distance > nearest * nearest;
   if (is_outside) DrawCircleOn(*fan_, inverse_.data(), center, radius, square_distance);
 }
 
 void DepthBuffer::DrawPolygon(const Vec2* corners, int count) {
+  for (int i = 0; i < count; ++i) {
+    if (IsTooNear(corners[i], corners[i + 1 < count ? i + 1 : 0])) return;
+  }
   // The sides that face a lidar outside run clockwise around it. From within no side does.
   for (int i = 0; i < count; ++i) {
     const Vec2 corner = corners[i];

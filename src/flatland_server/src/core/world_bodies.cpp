@@ -41,6 +41,7 @@ World::Body World::AddBody(const BodySettings& settings) {
   definition.angularDamping = static_cast<float>(settings.angular_damping);
   BodyRecord record;
   record.body = world_->CreateBody(&definition);
+  record.SetMass();
   record.may_move = settings.type != b2_staticBody || IsWound(*record.body);
   return bodies_.Add(std::move(record));
 }

@@ -44,7 +44,6 @@ std::unique_ptr<World> World::Copy() const {
     record.body = copy->world_->CreateBody(&definition);
     record.contact_events = kNoContactEvents;
     record.is_recorded = false;
-    bool has_mass = false;
     record.nearby = {};
     if (const NearbyWalls* large = layers_->LargeLayerOf(record)) {
       record.large_layer = -1;
@@ -59,12 +58,8 @@ std::unique_ptr<World> World::Copy() const {
     if (!has_large_layers) outside.emplace(*record.body);  // the state below brings the tree
     for (BodyRecord::FixtureRecord& each : record.fixtures) {
       each.fixture = CopyFixture(*record.body, *each.fixture);
-      has_mass = has_mass || each.fixture->GetDensity() != 0.0f;
     }
-    if (has_mass && record.body->GetType() == b2_dynamicBody) {
-      const b2MassData mass = record.mass.ToBox2D();
-      record.body->SetMassData(&mass);
-    }
+    record.SetMass();
   });
   const auto copy_of = [&](b2Body* old) {
     const auto index = static_cast<uint32_t>(old->GetUserData().pointer);

@@ -146,8 +146,7 @@ Fixture World::AddFixture(Body handle, const b2Shape& shape, const FixtureSettin
   b2Fixture* const fixture = MakeFixture(body, index, shape, settings);
   if (has_mass && settings.density != 0.0) {
     record.mass = mass;
-    const b2MassData data = mass.ToBox2D();
-    body.SetMassData(&data);
+    record.SetMass();
   }
   record.fixtures.push_back({fixture, settings.visible, BoundingRadius(shape), settings.collides});
   record.nearby.is_current = false;  // it reaches farther
@@ -200,9 +199,8 @@ void World::SetShape(Fixture fixture, const b2Shape& shape, std::optional<LayerB
   for (size_t i = 0; i < densities.size(); ++i) {
     record.fixtures[i].fixture->SetDensity(densities[i]);
   }
-  const b2MassData data = mass.ToBox2D();
-  if (data.mass > 0.0f) body.SetMassData(&data);
   record.mass = mass;
+  record.SetMass();
   record.nearby.is_current = false;
   WakeBodiesNear(body);
   body.SetAwake(true);

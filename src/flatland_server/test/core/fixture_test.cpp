@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "flatland_server/world.hpp"
@@ -126,6 +127,26 @@ TEST_F(WorldTest, TheCentreOfMassIsThatOfTheFixturesTogether) {
 }
 
 // Overlaps
+
+TEST_F(WorldTest, ABodyWithoutMassWeighsAKilogram) {
+  world_.AddLayer({{{2, -5}, {2, 5}}}, kAllLayers);
+  FixtureSettings weightless;
+  const World::Body body = AddBox(world_, {0, 0, 0}, 1.0, weightless);
+  const World::Body pushed = AddBox(world_, {1, 0, 0}, 0.5, weightless);
+  const std::unique_ptr<World> copy = world_.Copy();
+  for (World* world : {&world_, copy.get()}) {
+    EXPECT_EQ(world->GetMass(body), 1.0);
+    EXPECT_EQ(world->GetMass(world->AddBody({})), 1.0);
+    for (int step = 0; step < 600; ++step) {
+      world->SetVelocity(body, {1, 0, 0});
+      world->Step(kStep);
+    }
+    EXPECT_NEAR(world->GetPose(pushed).x, 1.75, 0.05);
+    EXPECT_NEAR(world->GetPose(body).x, 1.0, 0.1);
+    world->SetPolygon({body, 0}, Square(0.8));
+    EXPECT_EQ(world->GetMass(body), 1.0);
+  }
+}
 
 TEST_F(WorldTest, ABodyKnowsWhatItOverlaps) {
   const World::Body wall = world_.AddLayer({{{0, -5}, {0, 5}}}, kAllLayers);

@@ -110,6 +110,34 @@ TEST_F(LidarTest, LooksOutOfAPolygonAroundIt) {
   EXPECT_EQ(LookAhead({0, 0, M_PI}), kInfinity);
 }
 
+TEST_F(LidarTest, LooksOutOfABodyWithinAMillimetreOfItsOutline) {
+  AddWallAt(30.0);
+  const BeamFan around(-M_PI, 2.0 * M_PI / 360, 360);
+  const auto looks_out = [&](const Pose& lidar) {
+    const View view = Look(around, lidar);
+    return std::all_of(view.ranges.begin(), view.ranges.end(), [](float r) { return r > 25.0f; });
+  };
+  for (int i = 0; i < 500; ++i) {
+    const Pose pose{0.01 * i, 0.003 * i, 0.02 * i};
+    const World::Body body = AddBody(pose);
+    world_.AddPolygon(body, square_, {});
+    const auto at = [&](Vec2 mount) {
+      const Vec2 place = Vec2{pose.x, pose.y} + Rotation(pose.yaw).Apply(mount);
+      return Pose{place.x, place.y, pose.yaw};
+    };
+    ASSERT_TRUE(looks_out(at({0.5, 0.5}))) << i;  // on a vertex
+    ASSERT_TRUE(looks_out(at({0.5, 0.1}))) << i;
+    ASSERT_TRUE(looks_out(at({0.5009, -0.2}))) << i;
+    ASSERT_FALSE(looks_out(at({0.5011, -0.2}))) << i;
+    world_.RemoveBody(body);
+    const World::Body disc = AddBody(pose);
+    world_.AddCircle(disc, {0, 0}, 0.5, {});
+    ASSERT_TRUE(looks_out(at({0.3, 0.4}))) << i;
+    ASSERT_FALSE(looks_out(at({0.3, 0.402}))) << i;
+    world_.RemoveBody(disc);
+  }
+}
+
 TEST_F(LidarTest, NeverMeasuresLessThanNothing) {
   world_.AddCircle(AddBody({0.0, 0.0, 0.0}), {0, 0}, 0.3, {});
 

@@ -76,7 +76,7 @@ bodies:
   - name: wheel
     footprints:
       - type: polygon
-        points: [[0, 0], [0.2, 0], [0.2, 0.1], [0, 0.1]]
+        points: [[0.02, 0], [0.2, 0], [0.2, 0.1], [0.02, 0.1]]
         density: 1
 joints:
   - type: revolute

@@ -99,16 +99,29 @@ def test_a_number_beyond_physics_in_line_data_is_named_with_its_line(good_files,
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "message"),
+    ("lines", "message"),
     [
-        ("2 3 -1 2", "2 3 -1 9e6", "within 100 km of the origin, found one beyond"),
-        ("2 3 -1 2", "2 3 2 3.000001", "of a micrometre or more, found a shorter one"),
+        ("0 0 1 1\n2 3 -1 9e6", "within 100 km of the origin, found one beyond in lines.dat:2"),
+        ("2 3 2 3.000001", "of a micrometre or more, found a shorter one in lines.dat:1"),
+        ("2 3 2 3\n0 0 0 0", "of a micrometre or more, found a shorter one in lines.dat:1"),
     ],
 )
-def test_a_wall_that_physics_cannot_represent_is_named_with_its_line(good_files, old, new, message):
-    good_files.edit("lines.dat", old, new)
+def test_walls_that_physics_cannot_represent_are_named_with_their_line(good_files, lines, message):
+    good_files.write("lines.dat", lines)
 
-    assert good_files.refusal() == f"lines.yaml: expected walls {message} in lines.dat:2"
+    assert good_files.refusal() == f"lines.yaml: expected walls {message}"
+
+
+def test_lines_without_length_and_further_columns_are_ignored_with_a_warning(good_files, caplog):
+    """As in the original: CAD programs write them."""
+    good_files.write("lines.dat", "0 0 5 0 0.5\n2 2 2.0 2\n0 0 0 5e0 wall\n1 1 1 1.000001")
+
+    assert len(good_files.load().get_layer("lines").segments) == 2
+    assert [each.message.replace(f"{good_files.folder}/", "") for each in caplog.records] == [
+        'lines.dat:1: expected "x1 y1 x2 y2", found more, and in 1 further line: it is ignored',
+        "lines.yaml: expected walls of a micrometre or more, found 2 shorter ones, left out, "
+        "the first in lines.dat:2",
+    ]
 
 
 def test_a_line_without_an_end_is_quoted_in_part(good_files):

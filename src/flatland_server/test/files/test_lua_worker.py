@@ -1,6 +1,7 @@
 """The process in which $eval is evaluated: how it starts and ends, and what it imports."""
 
 import os
+import random
 import signal
 import subprocess
 import sys
@@ -158,7 +159,7 @@ def test_the_kernel_ends_a_worker_that_computes_for_too_long():
         stdout=subprocess.PIPE,
     )
     assert worker.stdin is not None
-    worker.stdin.write(b'{"code": "while true do end"}\n')
+    worker.stdin.write(b'{"code": "while true do end", "seed": 0}\n')
     worker.stdin.flush()
 
     assert worker.wait(60) == -signal.SIGXCPU
@@ -199,3 +200,16 @@ def test_a_worker_that_is_killed_is_an_error_and_is_started_again(evaluate, prep
         evaluate("1")
 
     assert evaluate("2") == "2"
+
+
+def test_random_numbers_are_the_same_with_every_lua():
+    """LuaJIT, and Lua on another C library, have other generators."""
+    evaluator = lua.LuaEvaluator({})
+    try:
+        found = evaluator.evaluate("{math.random(), math.random(6), math.random(-5, -2)}", 5)
+    finally:
+        evaluator.close()
+
+    generator = random.Random(5)
+    draws = [generator.random() for _ in range(3)]
+    assert found == [draws[0], 1 + int(draws[1] * 6), -5 + int(draws[2] * 4)]

@@ -12,7 +12,7 @@ from flatland_server.testing import WorldFiles
 def markers_of_a_world(folder: Path) -> str:
     """The serialized markers of a model, of its preview and of walls."""
     files = WorldFiles(folder)
-    layer = {"name": "map", "map": files.walls("map", (0, 0, 1, 2))}
+    layer = {"name": "map", "map": files.walls("map", (5, 0, 6, 2))}
     world = files.load_models({"robot": {"model": files.model("robot")}}, [layer]).world
     markers = ModelMarkers(world.models["robot"], "map")
     markers.place()

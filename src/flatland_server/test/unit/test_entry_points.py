@@ -65,6 +65,13 @@ def module_of(type: str) -> str:
     return PluginLoader().load(type, ModelPlugin).__module__
 
 
+@pytest.mark.parametrize("type", ["Pusher", "loader_mine::Pusher", "my_namespace::Pusher"])
+def test_a_plugin_is_found_with_the_namespace_that_its_entry_point_names(packages, type):
+    packages.add("loader_mine", "my_namespace::Pusher = loader_mine.push:Pusher")
+
+    assert module_of(type) == "loader_mine.push"
+
+
 @pytest.mark.parametrize("type", ["Pusher", "loader_mine::Pusher"])
 def test_a_plugin_is_found_with_and_without_its_package(packages, type):
     packages.add("loader_mine", "Pusher = loader_mine.push:Pusher", distribution="my-robots")

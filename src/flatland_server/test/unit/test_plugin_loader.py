@@ -68,6 +68,24 @@ def test_the_plugins_of_flatland_are_found_with_and_without_their_package(type):
     assert PluginLoader().load(type, ModelPlugin) is DiffDrive
 
 
+@pytest.mark.parametrize("namespace", ["", "my_plugins::", "my_namespace::inner::"])
+def test_a_plugin_is_found_with_the_namespace_that_is_declared(packages, namespace):
+    """As those of C++, which are not always named like their packages."""
+    names = ("my_namespace::inner::Thing", "my_namespace::other::Other", "loader/Slash")
+    classes = [
+        f'<class name="{each}" type="loader_things.{each.replace("/", "::").rpartition("::")[2]}"/>'
+        for each in names
+    ]
+    text = "".join(MODULE.format(name=name) for name in ("Thing", "Other", "Slash"))
+    packages.add("my_plugins", f"<library>{''.join(classes)}</library>", loader_things=text)
+
+    assert PluginLoader().load(f"{namespace}Thing", ModelPlugin).__name__ == "Thing"
+    assert PluginLoader().load("my_namespace::other::Other", ModelPlugin).__name__ == "Other"
+    assert PluginLoader().load("loader::Slash", ModelPlugin).__name__ == "Slash"
+    assert "unknown plugin type" in refusal("my_namespace::Thing")
+    assert "unknown plugin type" in refusal("my_namespace::other::Thing")
+
+
 @pytest.mark.parametrize("package", ["", "flatland_plugins::"])
 def test_other_names_of_built_in_plugins_are_theirs_unless_a_package_has_them(packages, package):
     xml = '<class name="{0}" type="flatland_plugins.{1}.{0}"/>'

@@ -41,7 +41,8 @@ class BatchPlugins:
         self._count = count
         self._step = step_nanoseconds
         self._origin = origin
-        self._worlds = BatchWorlds([] if origin else roles, count, open)
+        is_random = config.with_seed is not None and not origin
+        self._worlds = BatchWorlds([] if origin else roles, count, open, is_random)
         self._crowds = BatchCrowds([] if origin else roles, count)
         self._motions = BatchMotions(roles, count, step_nanoseconds)
 

@@ -176,7 +176,7 @@ class SimulationBatch:
             self._world.config, roles, self._num_envs, self._step_nanoseconds, self._open, origin
         )
         self._plugins.begin(self._core, None, self._seeds)
-        varies = any(each.role.varies_by_seed for each in roles)
+        varies = self._world.config.with_seed or any(each.role.varies_by_seed for each in roles)
         self._only_seed = origin.seed if origin is not None and varies else None
         self._noises = [BatchNoise(each, self._num_envs) for each in self._robots]
         self._spaces = FreeSpaces(self._world, self._robots)

@@ -17,12 +17,17 @@ class BatchWorlds:
         roles: of the plugins of the world, which is shared unless one varies by the seed.
         count: number of environments, n.
         open: loads the world with a seed.
+        is_random: whether the world's files depend on the seed.
     """
 
     def __init__(
-        self, roles: Sequence[PluginRole], count: int, open: Callable[[int], World]
+        self,
+        roles: Sequence[PluginRole],
+        count: int,
+        open: Callable[[int], World],
+        is_random: bool,
     ) -> None:
-        self._differ = any(each.role.varies_by_seed for each in roles)
+        self._differ = is_random or any(each.role.varies_by_seed for each in roles)
         self._open = open
         self._last: Optional[World] = None
         self._loaded = np.full(count, -1, np.int64)

@@ -2,6 +2,7 @@
 
 Plugins read their own keys when they start, for which their model must exist. Here each model is
 put into a world of its own, with the bodies that can be read and empty ones instead of the others.
+Plugins that name a joint that cannot be read are left out.
 """
 
 from contextlib import suppress
@@ -13,6 +14,7 @@ from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import FlatlandError, Problem, YamlError
 from flatland_server.geometry import Pose
 from flatland_server.models.collision_filter_registry import AnyLayer
+from flatland_server.models.joint import JointConfig
 from flatland_server.models.model import ModelConfig
 from flatland_server.models.model_body import BodyConfig
 from flatland_server.models.plugin_config import PluginConfig
@@ -54,6 +56,7 @@ def plugin_problems(
 
 def _problems_of_model(reader: YamlReader, transport: Transport) -> List[Problem]:
     registry = AnyLayer()
+    faulty_joints: List[str] = []
 
     def read_body(section: YamlReader) -> BodyConfig:
         name = section.get_string("name")
@@ -63,8 +66,24 @@ def _problems_of_model(reader: YamlReader, transport: Transport) -> List[Problem
             return BodyConfig(name, Pose(), "dynamic", (1.0, 1.0, 1.0, 1.0), 0.0, 0.0, ())
 
     bodies = reader.get_enabled_sections("bodies", read_body)
-    plugins = reader.get_enabled_sections("plugins", PluginConfig.read)
-    model = ModelConfig(reader.file, tuple(bodies), (), tuple(plugins), is_read=True)
+    names = [body.name for body in bodies]
+    if not bodies or not all(names):
+        return []  # plugins name bodies that are missing
+
+    def read_joint(section: YamlReader) -> JointConfig:
+        try:
+            return JointConfig.read(section, names)
+        except YamlError:
+            faulty_joints.append(section.get_string("name"))
+            raise
+
+    joints = reader.get_enabled_sections("joints", read_joint)
+    plugins = [
+        each
+        for each in reader.get_enabled_sections("plugins", PluginConfig.read)
+        if not any(map(each.reader.key_of, faulty_joints))  # it needs one of them
+    ]
+    model = ModelConfig(reader.file, tuple(bodies), tuple(joints), tuple(plugins), is_read=True)
     entry = ModelEntry(reader.file.name.split(".")[0], "", Pose(), model)
     try:
         World(WorldConfig(10, 10, registry, (), (entry,), ()), transport).close()

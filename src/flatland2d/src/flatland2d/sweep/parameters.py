@@ -109,28 +109,32 @@ class SweepWorlds:
     Attributes:
         preprocessor: of the world that was read last, with its parameters.
         params_read: the parameters that expressions in the files have read so far, by name.
+        is_random: whether the content that was read last depends on the seed.
     """
 
     def __init__(self, folder: Path) -> None:
         self.preprocessor = YamlPreprocessor(self._get_param)
         self.params_read: Set[str] = set()
+        self.is_random = False
         self._folder = folder
         self._params: Mapping[str, Any] = {}
         self._reading: Dict[str, Any] = {}
-        # The world that was read last, the parameters that its files have read, and its content.
-        self._last: Optional[Tuple[str, Dict[str, Any], Dict[str, Any]]] = None
+        # The world that was read last, the parameters that its files have read, its seed if they
+        # have random numbers, and its content.
+        self._last: Optional[Tuple[str, Dict[str, Any], Optional[int], Dict[str, Any]]] = None
 
-    def content(self, source: str, parameters: Mapping[str, Any]) -> Dict[str, Any]:
+    def content(self, source: str, parameters: Mapping[str, Any], seed: int = 0) -> Dict[str, Any]:
         """The content of a world changed by the parameters of a scenario: a new dict.
 
         Args:
             source: as it is written in the scenario file.
             parameters: of a scenario.
+            seed: of a scenario, for random numbers in expressions.
 
         Raises:
             FlatlandError: something in its files is wrong, or a parameter has no place in it.
         """
-        self._params = world_params(parameters)
+        self._params, self.preprocessor.seed = world_params(parameters), seed
         content = self._content_of(source)
         changes = world_changes(parameters)
         for place, value in changes.items():
@@ -148,18 +152,23 @@ class SweepWorlds:
     def _content_of(self, source: str) -> Dict[str, Any]:
         """The content of a world's files; read again only if they read other parameters."""
         if self._last is not None and self._last[0] == source:
-            _, read, content = self._last
-            if all(self._params.get(name) == value for name, value in read.items()):
+            _, read, seed, content = self._last
+            is_same = all(self._params.get(name) == value for name, value in read.items())
+            if is_same and seed in (None, self.preprocessor.seed):
+                self.is_random = seed is not None
                 return deepcopy(content)
-        self._reading = {}
+        self._reading, self.is_random = {}, False
         content = self._read(world_file(source, self._folder))
-        self._last = source, self._reading, content
+        seed = self.preprocessor.seed if self.is_random else None
+        self._last = source, self._reading, seed, content
         return deepcopy(content)
 
     def _read(self, world: Union[Path, Mapping[str, Any]]) -> Dict[str, Any]:
         """Reads a world from its files."""
-        self.preprocessor.restart_random()
-        return read_world_content(world, self.preprocessor)
+        before = self.preprocessor.random_count
+        content = read_world_content(world, self.preprocessor)
+        self.is_random |= self.preprocessor.random_count != before
+        return content
 
     def _get_param(self, name: str, default: Any) -> Any:
         name = absolute_name(name)

@@ -67,7 +67,8 @@ class ScenarioRunner:
     def __init__(self, settings: SweepSettings) -> None:
         self._settings = settings
         self._reader = SweepWorlds(settings.folder)
-        self._worlds: OrderedDict[str, WorldConfig] = OrderedDict()
+        self._worlds: OrderedDict[Tuple[str, Optional[int]], WorldConfig] = OrderedDict()
+        self._random_worlds: Set[str] = set()  # those that depend on the seed
 
     def run(self, scenario: Scenario, *observers: RunObserver) -> Result:
         """Runs a scenario.
@@ -109,9 +110,13 @@ class ScenarioRunner:
             FlatlandError: something in its files is wrong.
         """
         source, params = scenario.world.source, world_params(scenario.parameters)
-        key = world_key(source, scenario.parameters)
+        name = world_key(source, scenario.parameters)
+        key = name, scenario.seed if name in self._random_worlds else None
         if key not in self._worlds:
-            content = self._reader.content(source, scenario.parameters)
+            content = self._reader.content(source, scenario.parameters, scenario.seed)
+            if self._reader.is_random:
+                self._random_worlds.add(name)
+                key = name, scenario.seed
             self._worlds[key] = WorldConfig.from_content(content)
             if len(self._worlds) > _KEPT_WORLDS:
                 self._worlds.popitem(last=False)

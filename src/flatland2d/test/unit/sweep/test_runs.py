@@ -221,6 +221,23 @@ def test_expressions_do_not_depend_on_scenarios_before(folder, settings_of):
         assert runner.run(second) == results[1]
 
 
+def test_random_expressions_vary_with_the_seed_alone(folder, settings_of):
+    world = (folder / "world.yaml").read_text()
+    pose = """["$eval -3 + math.random()", 0, 0]"""
+    (folder / "world.yaml").write_text(world.replace("[-3, 0, 0]", pose))
+    settings = settings_of(
+        parameters="{/x: [0, 1]}", controllers=None, start=None, seeds=3, time_limit=0.05
+    )
+
+    results = results_of(settings)
+
+    starts = {s.seed: r.row["start_x"] for s, r in zip(scenarios_of(settings), results)}
+    assert len(set(starts.values())) == 3
+    with closing(ScenarioRunner(settings)) as runner:
+        for scenario, result in [*zip(scenarios_of(settings), results)][::-1]:
+            assert runner.run(scenario) == result
+
+
 def test_starts_do_not_depend_on_the_walls_of_scenarios_before(folder, settings_of):
     wall = "layer: walls, robot_name: robot, num_of_walls: 1, wall_wall_dist: 0.8"
     plugin = f"plugins: [{{type: RandomWall, name: more, {wall}}}]\n"

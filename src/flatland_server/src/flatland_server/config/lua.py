@@ -19,9 +19,6 @@ if TYPE_CHECKING:
 TIME_LIMIT = 1.0  # s of processor time for all expressions of a file together
 _ANSWER_LIMIT = 30.0  # s of real time until the worker answers, on a busy machine
 
-_SEED = "math.randomseed(1)"
-"""Resets math.random to the state of a new process: 1 is the initial seed of Lua 5.1."""
-
 _WORKER = Path(__file__).with_name("lua_worker.py")
 
 
@@ -42,18 +39,19 @@ class LuaEvaluator:
         self._worker: Optional[subprocess.Popen[bytes]] = None
         self._unread = b""
         self._time_left = TIME_LIMIT
+        self.random_count = 0
+        """The number of expressions so far that have called math.random."""
 
     def restart_time(self) -> None:
         """Restarts the time limit, which holds for the expressions of one file."""
         self._time_left = TIME_LIMIT
 
-    def restart_random(self) -> None:
-        """Restarts math.random, so that later results do not depend on earlier expressions."""
-        if self._worker is not None:
-            self.evaluate(_SEED)
-
-    def evaluate(self, code: str) -> Any:
+    def evaluate(self, code: str, seed: int = 0) -> Any:
         """Evaluates an expression, or a chunk of code that returns a value.
+
+        Args:
+            code: of Lua.
+            seed: of math.random, from 0 to 2**31 - 1.
 
         Returns:
             None, a bool, a number, a string, or a list or dict of these.
@@ -65,18 +63,19 @@ class LuaEvaluator:
         if self._worker is None:
             self._start()
         before = self._processor_time()
-        value = self._evaluate(code, before + self._time_left)
+        value = self._evaluate(code, seed, before + self._time_left)
         self._time_left -= self._processor_time() - before
         return value
 
-    def _evaluate(self, code: str, end: float) -> Any:
-        self._send({"code": code})
+    def _evaluate(self, code: str, seed: int, end: float) -> Any:
+        self._send({"code": code, "seed": seed})
         while True:
             message = self._receive(end)
             if "error" in message:
                 self.close()  # its state is unknown; it may have used up its memory
                 raise LuaError(message["error"])
             if "value" in message:
+                self.random_count += message["is_random"]
                 return message["value"]
             try:
                 answer = {"value": self._functions[message["call"]](message["arguments"])}
@@ -119,7 +118,7 @@ class LuaEvaluator:
             start_new_session=True,  # Ctrl-C in a terminal does not reach it; `close` ends it
         )
         # Waits for a first answer, so that starting does not count towards the expression's time.
-        self._send({"code": _SEED})
+        self._send({"code": "0", "seed": 0})
         try:
             self._receive()
         except LuaError:

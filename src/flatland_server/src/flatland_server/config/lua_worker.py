@@ -10,9 +10,9 @@ another process, and ends with its parent. (A filter of system calls would also 
 need none of these, such as deleting a file; but it needs a table of their numbers for each
 processor, and an expression has no means to make a system call.)
 
-The protocol is JSON, one message per line. Input: `{"code": ...}`. Output: `{"value": ...}`,
-`{"error": ...}`, or `{"call": "env" | "param", "arguments": [...]}`, to which the parent process
-replies with `{"value": ...}` or `{"error": ...}`.
+The protocol is JSON, one message per line. Input: `{"code": ..., "seed": ...}`. Output:
+`{"value": ..., "is_random": ...}`, `{"error": ...}`, or `{"call": "env" | "param", "arguments":
+[...]}`, to which the parent process replies with `{"value": ...}` or `{"error": ...}`.
 """
 
 import ctypes
@@ -23,6 +23,7 @@ import resource
 import signal
 import sys
 import time
+from _random import Random  # `random` imports more than all of this program
 from typing import Any, Dict, List
 
 try:
@@ -38,8 +39,9 @@ _MAX_DEPTH = 50  # of nested tables
 # Everything that an expression has access to. Each expression gets new tables. `env` and `param`
 # are Lua functions that wrap a Python one, so that expressions have access to no Python object.
 _SANDBOX = """
-local ask_python = ...
+local ask_python, draw, set_seed = ...
 local load_text, set_globals, count, raise = loadstring, setfenv, select, error
+local floor, is_random = math.floor, false
 local names = {"tonumber", "tostring", "type", "pairs", "ipairs", "next", "select", "unpack",
                "assert", "error"}
 local libraries = {math = math, string = string, table = table}
@@ -57,18 +59,28 @@ local function globals()
     for key, value in pairs(library) do visible[name][key] = value end
   end
   visible.string.dump = nil
+  visible.math.randomseed = function(seed) set_seed(seed) end
+  visible.math.random = function(low, high)
+    is_random = true
+    if not low then return draw() end
+    if not high then low, high = 1, low end
+    if low > high then raise("math.random: the interval is empty", 0) end
+    return low + floor(draw() * (high - low + 1))
+  end
   return setmetatable(visible, {__index = function(_, name)
     raise('"' .. tostring(name) .. '" is not available in $eval', 0)
   end})
 end
 
-return function(code)
+return function(code, seed)
   -- The "=" keeps the code out of messages. A string that begins with an escape is bytecode.
   if code:sub(1, 1) == "\\27" then raise("bytecode is not allowed", 0) end
   local chunk, problem = load_text("return " .. code, "=$eval")
   if not chunk then chunk, problem = load_text(code, "=$eval") end
   if not chunk then raise(problem, 0) end
-  return (set_globals(chunk, globals())())
+  set_seed(seed)
+  is_random = false
+  return (set_globals(chunk, globals())()), is_random
 end
 """
 
@@ -87,19 +99,28 @@ class Worker:
             register_builtins=False,
             unpack_returned_tuples=True,
         )
-        self._evaluate = self._lua.execute(_SANDBOX, self._call)
+        # Not Lua's own: that of LuaJIT, and of another C library, gives other numbers.
+        self._random = Random()
+        self._evaluate = self._lua.execute(
+            _SANDBOX, self._call, self._random.random, self._set_seed
+        )
 
     def serve(self) -> None:
         """Evaluates expressions until standard input ends."""
         for line in sys.stdin:
             _limit_cpu_time()
             try:
-                value = self._to_python(self._evaluate(json.loads(line)["code"]), [_MAX_VALUES])
-                _send({"value": value})
+                message = json.loads(line)
+                value, is_random = self._evaluate(message["code"], message["seed"])
+                value = self._to_python(value, [_MAX_VALUES])
+                _send({"value": value, "is_random": is_random})
             except MemoryError:
                 _send({"error": "not enough memory"})
             except Exception as error:
                 _send({"error": _message(error)})
+
+    def _set_seed(self, seed: float) -> None:
+        self._random.seed(int(seed))
 
     def _call(self, name: str, count: float, *arguments: Any) -> Any:
         given = list(arguments) + [None] * (int(count) - len(arguments))

@@ -1,17 +1,15 @@
 """`$eval` expressions in YAML files: their functions `env` and `param`, their results as nodes."""
 
-import logging
+import hashlib
 import os
 import re
-from typing import Any, Callable, List
+from typing import Any, Callable, Dict, List, Tuple
 
 import yaml
 
 from flatland_server.config.lua import LuaError, LuaEvaluator
-from flatland_server.config.yaml_map import error_at
+from flatland_server.config.yaml_map import error_at, warn_once
 from flatland_server.exceptions import shortened
-
-logger = logging.getLogger(__name__)
 
 _NUMBER = re.compile(r"-?(0|[1-9][0-9]{0,14})(\.[0-9]+)?")
 _TAG = "tag:yaml.org,2002:"
@@ -22,10 +20,17 @@ class Expressions:
 
     Args:
         get_param: the value of a parameter, or the default: `get_param(path, default)`.
+
+    Attributes:
+        seed: of the world. Each expression has random numbers of its own, by the seed, its file and
+            its text; equal ones in a file are numbered.
     """
 
     def __init__(self, get_param: Callable[[str, Any], Any]) -> None:
+        self.seed = 0
         self._get_param = get_param
+        self._root = ""  # the file that was read first; its name does not matter
+        self._counts: Dict[Tuple[str, str], int] = {}  # of equal expressions in each file
         self.has_environment = True
         """True if expressions may read environment variables."""
         self._place = ""  # file and line of the expression that is being evaluated
@@ -43,18 +48,35 @@ class Expressions:
         """
         self._place = f"{node.start_mark.name}:{node.start_mark.line + 1}"
         try:
-            return _to_node(self._lua.evaluate(code), node)
+            return _to_node(self._lua.evaluate(code, self._seed_of(node, code)), node)
         except LuaError as error:
             problem, place = shortened(str(error), 120), shortened(code, 60)
             raise error_at(node, f"$eval: {problem}, in: {place}") from None
 
-    def restart_time(self) -> None:
-        """Restarts the time limit, which holds for the expressions of one file."""
+    def _seed_of(self, node: yaml.ScalarNode, code: str) -> int:
+        """The seed of math.random in an expression."""
+        file = node.start_mark.name
+        folder = os.path.dirname(self._root)
+        name = "" if file in ("", self._root) else os.path.relpath(file, folder)
+        number = self._counts[name, code] = self._counts.get((name, code), -1) + 1
+        stream = repr((self.seed, name, code, number)).encode()
+        return int.from_bytes(hashlib.blake2b(stream, digest_size=4).digest(), "big") >> 1
+
+    def restart(self, root: str, has_environment: bool = True) -> None:
+        """Begins a file with all that it includes: restarts its time limit and its random numbers.
+
+        Args:
+            root: the file.
+            has_environment: whether expressions may read environment variables.
+        """
+        self._root, self.has_environment = root, has_environment
+        self._counts.clear()
         self._lua.restart_time()
 
-    def restart_random(self) -> None:
-        """Restarts math.random."""
-        self._lua.restart_random()
+    @property
+    def random_count(self) -> int:
+        """The number of expressions so far that have called math.random."""
+        return self._lua.random_count
 
     def close(self) -> None:
         """Ends the process that evaluates expressions."""
@@ -85,7 +107,7 @@ class Expressions:
         """The default among the arguments; without one, warns and returns the empty string."""
         if len(arguments) == 2:
             return arguments[1]
-        logger.warning("%s: %s and has no default; a blank string is used", self._place, problem)
+        warn_once(f"{self._place}: {problem} and has no default; a blank string is used")
         return ""
 
 

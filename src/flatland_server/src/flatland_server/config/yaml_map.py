@@ -1,6 +1,7 @@
 """One map of a YAML document: its keys, and the problems found in it."""
 
 import logging
+import math
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, List, Optional, Set
@@ -162,6 +163,25 @@ class YamlMap:
         """
         return "" if self._problems.is_full else suggestion(word, known)
 
+    def warn(self, message: str, key: Optional[str] = None) -> None:
+        """Logs a warning about something valid that is probably not meant, once in a process.
+
+        Args:
+            message: the text of the warning, without the place.
+            key: of the value; None for this map.
+        """
+        warn_once(str(self.error(message, key)))
+
+    def warn_of_degrees(self, angle: float, key: str) -> None:
+        """Warns of an angle of more than a revolution [rad].
+
+        Args:
+            angle: as it was read.
+            key: at which it was.
+        """
+        if math.tau + 0.01 < abs(angle) < math.inf:
+            self.warn(f"expected an angle in rad, found {angle:g}: is it in degrees?", key)
+
     def raise_problems(self) -> None:
         """Raises the problems noted so far, if reading on would only cause more.
 
@@ -185,7 +205,7 @@ class YamlMap:
         """Makes keys that are given twice a warning; the last one counts."""
         for error in self._repeated:
             self._problems.drop(error)
-            logger.warning("%s; the last one counts", error)
+            warn_once(f"{error}; the last one counts")
         self._repeated.clear()
 
     def accept_other_keys(self) -> None:
@@ -250,6 +270,16 @@ class YamlMap:
         if self.path.endswith("]") and isinstance(name, yaml.ScalarNode):
             return f'{self.path} "{shortened(name.value)}"'
         return self.path
+
+
+@lru_cache(maxsize=1000)
+def warn_once(message: str) -> None:
+    """Logs a warning that names its place, once: not again at each reset or in each environment.
+
+    Args:
+        message: the whole warning.
+    """
+    logger.warning("%s", message)
 
 
 def check_topic_name(reader: YamlMap, key: str, name: str) -> None:

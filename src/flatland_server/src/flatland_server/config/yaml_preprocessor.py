@@ -37,12 +37,17 @@ class YamlPreprocessor:
 
     Args:
         get_param: for expressions, the value of a parameter: `get_param(path, default)`.
+        seed: of the world, for math.random in expressions.
     """
 
     def __init__(
-        self, get_param: Callable[[str, Any], Any] = lambda _path, default: default
+        self, get_param: Callable[[str, Any], Any] = lambda _path, default: default, seed: int = 0
     ) -> None:
+        self._get_param = get_param
         self._expressions = Expressions(get_param)
+        self.seed = seed
+        self._composed: Dict[Path, ComposedFile] = {}  # the files as they were read last
+        self._reads_again = False
         self._included: Dict[Path, List[yaml.Node]] = {}  # by the current `read`, each file once
         self._value_count = 0  # of the current `read`
 
@@ -54,7 +59,7 @@ class YamlPreprocessor:
                 include leads back to itself; an expression fails; it has too many values, each
                 use of an alias and of an included file counted.
         """
-        self._restart()
+        self._restart(path)
         return self._resolve_root(self._compose(path), path, (path,))
 
     def read_text(self, text: str, name: Path) -> yaml.Node:
@@ -70,8 +75,7 @@ class YamlPreprocessor:
         Raises:
             YamlError: it is empty or not YAML, or includes a file; an expression fails.
         """
-        self._restart()
-        self._expressions.has_environment = False
+        self._restart(name, has_environment=False)
         return self._resolve_root(compose_text(text, name), name, ())
 
     def resolve(self, node: yaml.Node) -> yaml.Node:
@@ -80,18 +84,34 @@ class YamlPreprocessor:
         Raises:
             YamlError: an expression fails, or a file that it includes is wrong.
         """
-        self._restart()
+        self._restart(Path(node.start_mark.name))
         return self._resolve(node, (Path(node.start_mark.name),), {})
 
-    def _restart(self) -> None:
+    def _restart(self, root: Path, has_environment: bool = True) -> None:
         self._included.clear()
         self._value_count = 0
-        self._expressions.restart_time()
-        self._expressions.has_environment = True
+        self._expressions.seed = self.seed
+        self._expressions.restart(str(root), has_environment)
 
-    def restart_random(self) -> None:
-        """Restarts math.random in expressions, as in a new preprocessor."""
-        self._expressions.restart_random()
+    @property
+    def random_count(self) -> int:
+        """The number of expressions so far that have called math.random, and so need the seed."""
+        return self._expressions.random_count
+
+    def again(self, seed: int) -> "YamlPreprocessor":
+        """A preprocessor for the same files, as this one has read them, with another seed.
+
+        Args:
+            seed: of the world.
+        """
+        other = YamlPreprocessor(self._get_param, seed)
+        other._composed.update(self._composed)
+        other._reads_again = True
+        return other
+
+    def is_plain(self, path: Path) -> bool:
+        """True if a file that was read has no expressions and includes no other."""
+        return path in self._composed and self._composed[path].is_plain
 
     def close(self) -> None:
         """Ends the process that evaluates expressions."""
@@ -99,7 +119,9 @@ class YamlPreprocessor:
 
     def _compose(self, path: Path) -> ComposedFile:
         """A file as it is written; its values count for the limit of the current `read`."""
-        composed = compose_file(path, self._value_count)
+        composed = self._composed.get(path) if self._reads_again else None
+        composed = composed or compose_file(path, self._value_count)
+        self._composed[path] = composed
         self._value_count += composed.value_count
         return composed
 

@@ -127,6 +127,10 @@ class YamlReader(YamlMap):
         with closing(YamlPreprocessor()) as own:
             return cls(own.read_text(text, file), root=root)
 
+    def again(self) -> "YamlReader":
+        """Another reader of the same map, with problems of its own."""
+        return YamlReader(self._node, self.path, self._root)
+
     def read_once(self, read: Callable[..., T], *arguments: Hashable) -> T:
         """The result of `read(self, *arguments)`, kept for plugins that a reset starts again.
 
@@ -275,14 +279,18 @@ class YamlReader(YamlMap):
         converter = floats_between(length, expected, minimum)
         return cast(Tuple[float, ...], self._get(key, default, converter, placeholder))
 
-    def get_pose(self, key: str, default: Any = REQUIRED) -> Pose:
-        """`[x, y, yaw]` [m, m, rad].
+    def get_pose(self, key: str, default: Any = REQUIRED, *, is_motion: bool = False) -> Pose:
+        """`[x, y, yaw]` [m, m, rad]; a yaw of more than a revolution is a warning.
 
         Args:
             key: of the value.
             default: the value if the key is missing; without it, the key is required.
+            is_motion: whether it is a motion, which may be of several revolutions.
         """
-        return Pose(*self._get(key, default, floats_between(3, "[x, y, yaw]"), Pose()))
+        pose = Pose(*self._get(key, default, floats_between(3, "[x, y, yaw]"), Pose()))
+        if not is_motion:
+            self.warn_of_degrees(pose.yaw, key)
+        return pose
 
     def get_point(self, key: str, default: Any = REQUIRED) -> Tuple[float, float]:
         """`[x, y]` [m].

@@ -15,7 +15,7 @@ from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import FlatlandError, YamlError
 from flatland_server.geometry import Pose
 from flatland_server.maps import wall_outlines
-from flatland_server.maps.map_reader import place, read_image
+from flatland_server.maps.map_reader import place, read_image, read_threshold
 from flatland_server.maps.simplify_outlines import simplify
 
 if TYPE_CHECKING:  # Pillow is imported when an image is read
@@ -53,7 +53,7 @@ class ServerMap:
         reader.get_choice("type", ["image"], "image")
         resolution = reader.get_float("resolution", above=0.0)
         origin = reader.get_pose("origin")
-        occupied_thresh = reader.get_float("occupied_thresh")
+        occupied_thresh = read_threshold(reader)
         reader.get_float("free_thresh", 0.0)  # between free and occupied is unknown, not a wall
         negate = reader.get_choice("negate", ["0", "1", "false", "true"], "0") in ("1", "true")
         reader.get_choice("mode", ["trinary", "scale"], "trinary")  # they differ in what is free

@@ -7,23 +7,23 @@ import io
 import logging
 import math
 import warnings
-from array import array
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Tuple
 
 import numpy as np
 
 from flatland_server.arrays import BoolArray, FloatArray, IntArray, Segments
-from flatland_server.config.input_files import MAX_IMAGE, MAX_LINE_SEGMENTS, read_input
+from flatland_server.config.input_files import MAX_IMAGE, read_input
+from flatland_server.config.yaml_map import warn_once
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
-from flatland_server.config.yaml_values import LARGEST
-from flatland_server.exceptions import YamlError, shortened, suggestion
+from flatland_server.exceptions import YamlError, counted, shortened, suggestion
 from flatland_server.geometry import Pose
+from flatland_server.maps.line_data import read_line_segments
 from flatland_server.maps.simplify_outlines import TOLERANCES, simplify
 from flatland_server.maps.slow_log import log_if_slow
-from flatland_server.maps.wall_outlines import bright_pixels, outlines
+from flatland_server.maps.wall_outlines import bright_pixels, outlines, transparent_pixels
 
 if TYPE_CHECKING:  # Pillow is imported when an image is read
     from PIL import Image
@@ -38,12 +38,15 @@ _CIRCLE_SIDES = 36  # as those of a footprint's outline
 _LINES = "line_segments"
 """The `type` of a map of line segments; every other one is an image."""
 
+_LARGEST_CELL = 1.0  # m; a greater one, or a larger world, is a warning
+_LARGEST_WORLD = 5000.0  # m
 _FARTHEST = 1e5  # m from the origin of the world; the limit of the core
-_SHORTEST = 1e-6  # m; shorter walls are lost to rounding
+_SHORTEST = 1e-6  # m; shorter walls are lost to rounding: no walls
 
 # Formats that Pillow decodes by itself: for EPS it would start Ghostscript.
 # Pillow imports all it knows, 30 formats, when it tries one besides the first five.
 _FORMATS = ("BMP", "GIF", "JPEG", "PNG", "PPM", "PCX", "TGA", "TIFF", "WEBP")
+_ORIENTATION = 0x0112  # the tag of EXIF
 _MAX_PIXELS = 80_000_000  # less than a gigabyte while outlines are computed
 
 
@@ -62,6 +65,7 @@ class MapConfig:
         lines: line segments that are in the map itself; None if `source` has them.
         is_image: whether it is an image or a grid.
         place: of the map in a world file, such as "layers[0].map".
+        reader: of the file or the section, for warnings.
     """
 
     path: Path
@@ -73,6 +77,7 @@ class MapConfig:
     lines: Optional[Segments] = None
     is_image: bool = False
     place: str = ""
+    reader: Optional[YamlReader] = field(default=None, compare=False, repr=False)
 
     @classmethod
     def from_file(cls, path: Path, preprocessor: Optional[YamlPreprocessor] = None) -> "MapConfig":
@@ -94,16 +99,18 @@ class MapConfig:
             scale = reader.get_float("scale", above=0.0)
             source = reader.get_path("data")
             reader.finish()
-            return cls(path, source, scale, origin)
+            return cls(path, source, scale, origin, reader=reader)
         if suggestion(kind, [_LINES]):
             logger.info('%s: read as an image: expected "%s", found "%s"', path, _LINES, kind)
         scale = reader.get_float("resolution", above=0.0)
-        occupied_thresh = reader.get_float("occupied_thresh")
+        occupied_thresh = read_threshold(reader)
         for unused in ("free_thresh", "negate", "mode"):
             reader.get_string(unused, "")
         source = reader.get_path("image")
         reader.finish()
-        return cls(path, source, scale, origin, occupied_thresh, is_image=True)
+        if scale > _LARGEST_CELL:
+            reader.warn(f"expected metres per pixel, found {scale:g}", "resolution")
+        return cls(path, source, scale, origin, occupied_thresh, is_image=True, reader=reader)
 
     @classmethod
     def read(cls, reader: YamlReader) -> "MapConfig":
@@ -125,7 +132,15 @@ class MapConfig:
             reader.finish()
             reader.raise_problems()
             return cls(
-                reader.file, None, scale, origin, 0.0, bright, is_image=True, place=reader.path
+                reader.file,
+                None,
+                scale,
+                origin,
+                0.0,
+                bright,
+                is_image=True,
+                place=reader.path,
+                reader=reader,
             )
         if not any(map(reader.has, INLINE)):
             names = ", ".join(f'"{name}"' for name in INLINE)
@@ -143,7 +158,7 @@ class MapConfig:
         reader.finish()
         reader.raise_problems()
         walls = np.concatenate(lines)
-        return cls(reader.file, None, scale, origin, lines=walls, place=reader.path)
+        return cls(reader.file, None, scale, origin, lines=walls, place=reader.path, reader=reader)
 
     def content(self) -> Dict[str, Any]:
         """The map with its walls in itself, as `read` takes it; its grid or segments are arrays.
@@ -167,21 +182,42 @@ class MapConfig:
         if simplify_map and self.is_image:
             segments = _simplified(segments, self, TOLERANCES[simplify_map])
         segments = place(segments * self.scale, self.origin)
-        _check(segments, self, numbers)
+        segments = _checked(segments, self, numbers)
+        size = np.ptp(segments.reshape(-1, 2), axis=0).max() if len(segments) else 0.0
+        if size > _LARGEST_WORLD:
+            key = "resolution" if self.is_image else "scale"
+            self._warn(f"expected a map of at most {_LARGEST_WORLD:g} m, found {size:.4g} m", key)
         segments.flags.writeable = False
         return segments
+
+    def _warn(self, message: str, key: str) -> None:
+        if self.reader is not None:
+            self.reader.warn(message, key)
 
     def _bright(self) -> BoolArray:
         if self.bright is not None:
             return self.bright
         assert self.source is not None
-        return read_image(self.source, lambda image: bright_pixels(image, self.occupied_thresh))
+        return read_image(self.source, self._bright_pixels)
+
+    def _bright_pixels(self, image: "Image.Image") -> BoolArray:
+        bright = bright_pixels(image, self.occupied_thresh)
+        if self.occupied_thresh >= 1.0:
+            return bright  # there was a warning
+        hidden = transparent_pixels(image)
+        if hidden is not None and (hidden & ~bright).any():
+            self._warn("has dark transparent pixels, which are walls: alpha is ignored", "image")
+        elif image.mode == "F" and np.asarray(image).max() <= 1.0:
+            self._warn("expected grey values up to 255, found floats up to 1", "image")
+        elif not bright.any():
+            self._warn("has no pixel brighter than occupied_thresh: it is one block", "image")
+        return bright
 
     def _lines(self) -> Tuple[Segments, Optional[IntArray]]:
         if self.source is None:
             assert self.lines is not None
             return self.lines, None
-        return _read_line_segments(self.source)
+        return read_line_segments(self.source)
 
 
 def read_map(
@@ -222,12 +258,11 @@ def read_image(path: Path, is_bright: Callable[["Image.Image"], BoolArray]) -> B
     content = io.BytesIO(read_input(path, MAX_IMAGE))
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-            image = Image.open(content, formats=_FORMATS)
-        with image:
-            if image.width * image.height > _MAX_PIXELS:
-                raise Image.DecompressionBombError
-            return is_bright(image)
+            warnings.simplefilter("ignore")  # Pillow's; ours are logged
+            with Image.open(content, formats=_FORMATS) as image:
+                if image.width * image.height > _MAX_PIXELS:
+                    raise Image.DecompressionBombError
+                return is_bright(_upright(image))
     except UnidentifiedImageError:
         formats = ", ".join(_FORMATS)
         raise YamlError(path, f"is not an image of a known format: {formats}") from None
@@ -239,39 +274,29 @@ def read_image(path: Path, is_bright: Callable[["Image.Image"], BoolArray]) -> B
         raise YamlError(path, f"cannot be read as an image: {shortened(reason)}") from None
 
 
-def _read_line_segments(path: Path) -> Tuple[Segments, IntArray]:
-    """The segments of a text file with a line `x1 y1 x2 y2` for each, in the file's unit.
+def _upright(image: "Image.Image") -> "Image.Image":
+    """An image turned as its EXIF data say; OpenCV, and so the original, does this, too."""
+    from PIL import ImageOps
 
-    `#` begins a comment.
-
-    Returns:
-        Segments: shape (n, 4). The numbers of their lines, from 1: shape (n,).
-    """
+    image.load()  # some formats have these data at their end
     try:
-        lines = read_input(path, MAX_LINE_SEGMENTS).decode("utf-8-sig").splitlines()
-    except UnicodeDecodeError:
-        raise YamlError(path, "cannot be read: it is not UTF-8 text") from None
-    values = array("d")
-    numbers = array("q")
-    for number, line in enumerate(lines, start=1):
-        line = line.partition("#")[0].strip()
-        if not line:
-            continue
-        try:
-            row = [float(word) for word in line.split()]
-        except ValueError:
-            row = []
-        if len(row) != 4 or not all(map(math.isfinite, row)):
-            message = f'expected "x1 y1 x2 y2", found "{shortened(line)}"'
-            raise YamlError(path, message, number)
-        if max(map(abs, row)) > LARGEST:
-            message = f'expected numbers within {LARGEST:g} of zero, found "{shortened(line)}"'
-            raise YamlError(path, message, number)
-        if row[:2] == row[2:]:
-            raise YamlError(path, "expected two different ends, found one point twice", number)
-        values.extend(row)
-        numbers.append(number)
-    return np.array(values, dtype=np.float64).reshape(-1, 4), np.array(numbers, dtype=np.intp)
+        is_turned = image.getexif().get(_ORIENTATION, 1) != 1
+        return ImageOps.exif_transpose(image) if is_turned else image
+    except Exception:  # the image may be read nevertheless
+        return image
+
+
+def read_threshold(reader: YamlReader) -> float:
+    """The `occupied_thresh` of an image, with a warning if all of it is on one side of it.
+
+    Args:
+        reader: of the map.
+    """
+    threshold = reader.get_float("occupied_thresh")
+    if reader.is_sound and not 0.0 <= threshold < 1.0:
+        message = f"expected a fraction from 0 to 1 (below 1), found {threshold:g}"
+        reader.warn(message, "occupied_thresh")
+    return threshold
 
 
 def _circle(x: float, y: float, radius: float) -> FloatArray:
@@ -304,8 +329,8 @@ def place(segments: Segments, origin: Pose) -> Segments:
     return np.asarray(points.reshape(-1, 4))
 
 
-def _check(segments: Segments, config: MapConfig, lines: Optional[IntArray]) -> None:
-    """Refuses walls that physics cannot represent.
+def _checked(segments: Segments, config: MapConfig, lines: Optional[IntArray]) -> Segments:
+    """Walls without those that have no length; refuses those that physics cannot represent.
 
     Args:
         segments: in the world [m].
@@ -313,18 +338,24 @@ def _check(segments: Segments, config: MapConfig, lines: Optional[IntArray]) -> 
         lines: the line of each in the file of line segments, if they are from one.
     """
     if len(segments) == 0:
-        return
+        return segments
 
-    def refuse(index: int, expected: str, found: str) -> None:
+    def error(index: int, expected: str, found: str) -> YamlError:
         where = "" if lines is None else f" in {config.source}:{lines[index]}"
         if config.lines is not None:
             where = f": {[round(each, 9) for each in segments[index].tolist()]}"
         label = f"{config.place}: " if config.place else ""
-        raise YamlError(config.path, f"{label}expected walls {expected}, found {found}{where}")
+        return YamlError(config.path, f"{label}expected walls {expected}, found {found}{where}")
 
     if max(segments.max(), -segments.min()) > _FARTHEST:
         farthest = int(np.abs(segments).max(axis=1).argmax())
-        refuse(farthest, "within 100 km of the origin", "one beyond")
+        raise error(farthest, "within 100 km of the origin", "one beyond")
     lengths = np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1])
-    if lengths.min() < _SHORTEST:
-        refuse(int(lengths.argmin()), "of a micrometre or more", "a shorter one")
+    shorter = np.flatnonzero(lengths < _SHORTEST)
+    if len(shorter) == 0:
+        return segments
+    if lines is None or len(shorter) == len(segments):  # the original reads such lines of files
+        raise error(int(lengths.argmin()), "of a micrometre or more", "a shorter one")
+    found = f"{counted(len(shorter), 'shorter one')}, left out, the first"
+    warn_once(str(error(int(shorter[0]), "of a micrometre or more", found)))
+    return np.delete(segments, shorter, axis=0)

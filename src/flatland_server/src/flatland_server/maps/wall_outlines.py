@@ -5,7 +5,7 @@ bright and a dark pixel; collinear edges that touch are one segment. The bottom 
 image is the origin of the layer.
 """
 
-from typing import TYPE_CHECKING, Tuple
+from typing import TYPE_CHECKING, Optional, Tuple
 
 import numpy as np
 
@@ -35,6 +35,21 @@ def bright_pixels(image: "Image.Image", occupied_thresh: float) -> BoolArray:
         is_bright = np.arange(256) / 255.0 > occupied_thresh
         return np.asarray(is_bright[np.asarray(image.convert("RGB").convert("L"))])
     return np.asarray(grey > occupied_thresh)
+
+
+def transparent_pixels(image: "Image.Image") -> Optional[BoolArray]:
+    """The mask of pixels that are wholly transparent; None if the image has no alpha.
+
+    Args:
+        image: of any mode.
+
+    Returns:
+        Shape (height, width), the top row first.
+    """
+    if "A" not in image.mode and "transparency" not in image.info:
+        return None
+    colors = image if "A" in image.mode else image.convert("RGBA")
+    return np.asarray(np.asarray(colors.getchannel("A")) == 0)
 
 
 def outlines(bright: BoolArray) -> Segments:

@@ -17,6 +17,11 @@ class Entity(ABC):
         """The name of the model, or the first name of the layer."""
 
     @property
+    def description(self) -> str:
+        """Its kind and name, for messages."""
+        return f'the {type(self).__name__.lower()} "{self.name}"'
+
+    @property
     @abstractmethod
     def physics_bodies(self) -> List[_core.Body]:
         """Its bodies in the physical world."""

@@ -1,9 +1,7 @@
 """Footprints: the shapes of a body, with their material and their collision layers."""
 
-import logging
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 from flatland_server import _core
@@ -13,8 +11,6 @@ from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point
 from flatland_server.models.collision_filter_registry import ALL, CollisionFilterRegistry
-
-logger = logging.getLogger(__name__)
 
 _CIRCLE_SIDES = 36
 
@@ -211,14 +207,8 @@ def _hull_of(vertices: Tuple[Point, ...], reader: YamlReader) -> Tuple[Point, ..
     change = f"without {', '.join(lost)}" if lost else "in another order"
     areas = f"{_area(vertices):.4g} m2 before, {_area(hull):.4g} m2 now"
     message = f"expected a convex polygon; its hull is taken, {change}: {areas}"
-    _warn(str(reader.error(message, "points")))
+    reader.warn(message, "points")
     return hull
-
-
-@lru_cache(maxsize=1000)
-def _warn(message: str) -> None:
-    """Logs a warning, once for each place in a file."""
-    logger.warning("%s", message)
 
 
 def _area(vertices: Sequence[Point]) -> float:

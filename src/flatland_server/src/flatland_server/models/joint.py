@@ -75,6 +75,7 @@ class JointConfig:
             frequency=reader.get_float("frequency", 0.0, minimum=0.0) if weld else 0.0,
             damping=reader.get_float("damping", 0.0, minimum=0.0) if weld else 0.0,
         )
+        reader.warn_of_degrees(joint.angle, "angle")
         reader.finish()
         return joint
 

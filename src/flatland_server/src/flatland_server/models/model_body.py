@@ -1,7 +1,7 @@
 """Bodies: the rigid parts of a model."""
 
-from dataclasses import dataclass
-from typing import Tuple
+from dataclasses import dataclass, field
+from typing import Optional, Tuple
 
 from flatland_server import _core
 from flatland_server.config.yaml_reader import Color, YamlReader
@@ -24,6 +24,7 @@ class BodyConfig:
         linear_damping: [1/s].
         angular_damping: [1/s].
         footprints: its shapes.
+        reader: of the entry, for warnings; None if a program has made it.
     """
 
     name: str
@@ -33,6 +34,7 @@ class BodyConfig:
     linear_damping: float
     angular_damping: float
     footprints: Tuple[Footprint, ...]
+    reader: Optional[YamlReader] = field(default=None, compare=False, repr=False)
 
     @classmethod
     def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "BodyConfig":
@@ -61,6 +63,7 @@ class BodyConfig:
                     required=True,
                 )
             ),
+            reader=reader,
         )
         reader.finish()
         return body

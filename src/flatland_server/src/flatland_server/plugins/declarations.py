@@ -18,9 +18,10 @@ pyproject.toml:
     [project.entry-points."flatland_server.plugins"]
     ConstVelocity = "my_plugins.const_velocity:ConstVelocity"
 
-The name is that in YAML files, alone or as `my_plugins::ConstVelocity`. A package may declare its
-plugins in both ways, with the same files under catkin and under pip: a class that is found twice
-counts once.
+The name is that in YAML files, alone or as `my_plugins::ConstVelocity`. It may have a namespace, as
+that of a C++ class: `my_namespace::ConstVelocity`, and files may write it with that. A package may
+declare its plugins in both ways, with the same files under catkin and under pip: a class that is
+found twice counts once.
 """
 
 import logging
@@ -53,12 +54,29 @@ class PluginDeclaration:
         package: that declares it.
         class_path: the module and the class, such as `flatland_plugins.laser.Laser`.
         is_cpp: whether it is a C++ class, as plugins of the original Flatland are.
+        namespace: before the name, as in the declaration `my_namespace::ConstVelocity`.
     """
 
     name: str
     package: str
     class_path: str
     is_cpp: bool = False
+    namespace: str = ""
+
+    @classmethod
+    def named(
+        cls, full_name: str, package: str, class_path: str, is_cpp: bool = False
+    ) -> "PluginDeclaration":
+        """The declaration of a name that may be in a namespace, as those of pluginlib are.
+
+        Args:
+            full_name: such as `ConstVelocity` or `my_namespace::ConstVelocity`.
+            package: as for the class.
+            class_path: as for the class.
+            is_cpp: as for the class.
+        """
+        namespace, _, name = full_name.rpartition("::")
+        return cls(name, package, class_path, is_cpp, namespace)
 
     @classmethod
     def of(cls, plugin: Type[Plugin]) -> "PluginDeclaration":
@@ -74,10 +92,12 @@ class PluginDeclaration:
         """True if a type in a YAML file means this class.
 
         Args:
-            type: with or without a package, such as `Laser` or `flatland_plugins::Laser`.
+            type: with or without a package or a namespace, such as `Laser` or
+                `flatland_plugins::Laser`.
         """
         package, _, name = type.rpartition("::")
-        return name == self.name and package in ("", self.package, self._namespace)
+        known = ("", self.package, self._namespace, self.namespace)
+        return name == self.name and package in known
 
     @property
     def _namespace(self) -> str:
@@ -157,8 +177,8 @@ def read_declarations(package: str, xml: Path) -> List[PluginDeclaration]:
         is_cpp = "::" in class_path
         if "." not in class_path and not is_cpp:
             raise ValueError(f'{xml}: expected type="module.Class", found "{class_path}"')
-        name = _SEPARATOR.split(element.get("name", class_path))[-1]
-        declarations.append(PluginDeclaration(name, package, class_path, is_cpp))
+        name = "::".join(_SEPARATOR.split(element.get("name", class_path)))
+        declarations.append(PluginDeclaration.named(name, package, class_path, is_cpp))
     return declarations
 
 
@@ -208,7 +228,7 @@ def _read_declarations(distribution: str, text: str) -> Iterator[PluginDeclarati
         if found:
             module = found.group("module")
             class_path = f"{module}.{found.group('name')}"
-            yield PluginDeclaration(name, module.partition(".")[0], class_path)
+            yield PluginDeclaration.named(name, module.partition(".")[0], class_path)
         else:
             logger.warning(
                 'the plugin "%s" of the package %s is left out: expected module:Class, found "%s"',

@@ -67,6 +67,7 @@ class PluginFactory:
         label = f"{model_name}/{config.name}" if model_name else config.name
         rng = plugin_rng(self._seed, model_name, config.name)
         node = self._root_node.scoped(namespace, label)
+        node.warn = reader.warn
         try:
             plugin = plugin_class(config.type, config.name, node, rng, subject)  # type: ignore[call-arg]
             node.on_failure = lambda where: on_failure(plugin, where)

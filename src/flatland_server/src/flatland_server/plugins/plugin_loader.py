@@ -100,7 +100,7 @@ class PluginLoader:
         if len(found) > 1:
             found = [d for d in found if d.package != EXAMPLE_PACKAGE] or found
         if len(found) > 1:
-            choices = " or ".join(f"{d.package}::{d.name}" for d in found)
+            choices = " or ".join(f"{d.namespace or d.package}::{d.name}" for d in found)
             raise PluginError(f'the plugin type "{type}" is ambiguous: write {choices}')
         return found[0]
 

@@ -112,10 +112,6 @@ class PluginManager:
         self._revision = revision
         self._starting = 0  # nesting depth of the current calls of `start`
 
-    def take_over_warnings(self, former: "PluginManager") -> None:
-        """Suppresses warnings that were given before the world was reset."""
-        self._root_node.take_over_warnings(former._root_node)
-
     @property
     def is_starting(self) -> bool:
         """True if plugins are being initialized at the moment."""

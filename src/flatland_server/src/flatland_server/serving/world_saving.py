@@ -59,6 +59,7 @@ class WorldSaving:
             models=saved.applied_to(config.models),
             model_folders=(path.parent, *config.model_folders[1:]),
             path=path,
+            with_seed=None,  # it has the saved values, whatever the seed
         )
         content, expected = self._new_content(config, saved, path)
         self._write(new, content, expected, config)
@@ -160,7 +161,7 @@ class WorldSaving:
             manager.history.restart()  # its states are of the former file
 
     def _preprocessor(self) -> "closing[YamlPreprocessor]":
-        return closing(YamlPreprocessor(self._manager.transport.get_param))
+        return closing(YamlPreprocessor(self._manager.transport.get_param, self._manager.world.seed))
 
 
 def _kinds(models: Iterable[ModelEntry]) -> List[Tuple[str, ...]]:

@@ -37,6 +37,7 @@ from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.plugins.plugin_manager import PluginFailure, PluginRevision
 from flatland_server.simulation import plugin_state
+from flatland_server.simulation.load_warnings import warn_of_traps
 from flatland_server.simulation.world_config import ModelEntry, ModelSource, WorldConfig
 from flatland_server.simulation.world_contents import WorldContents
 from flatland_server.transport.local_transport import LocalTransport
@@ -115,7 +116,7 @@ class World:
             FlatlandError: a model cannot be created, or a plugin does not start.
         """
         transport = transport if transport is not None else LocalTransport()
-        with closing(YamlPreprocessor(transport.get_param)) as preprocessor:
+        with closing(YamlPreprocessor(transport.get_param, seed)) as preprocessor:
             config = WorldConfig.from_file(
                 path, preprocessor, simplify_map=simplify_map, model_folders=model_folders
             )
@@ -127,9 +128,7 @@ class World:
         Args:
             transport: of the other world.
         """
-        twin = World(self.config, transport, seed=self.seed, loader=self._loader)
-        twin.contents.plugins.take_over_warnings(self.contents.plugins)
-        return twin
+        return World(self.config, transport, seed=self.seed, loader=self._loader)
 
     def _start(self) -> None:
         """Adds the layers and models of the files, and starts all plugins."""
@@ -137,6 +136,7 @@ class World:
         contents.add_layers_and_models()
         contents.plugins.start(contents.config.plugins, WorldPlugin, "", "", self)
         contents.is_starting = False
+        warn_of_traps(contents)
 
     # Contents
 
@@ -252,7 +252,7 @@ class World:
         Raises:
             FlatlandError: there is no such file, or something in it is wrong.
         """
-        with closing(YamlPreprocessor(self.transport.get_param)) as preprocessor:
+        with closing(YamlPreprocessor(self.transport.get_param, self.seed)) as preprocessor:
             return self.config.read_model(path, preprocessor)
 
     def read_model_entry(
@@ -312,11 +312,8 @@ class World:
         entities = model.overlapping()
         if not entities:
             return ""
-        names = [
-            f'the {"layer" if isinstance(entity, Layer) else "model"} "{entity.name}"'
-            for entity in entities
-        ]
-        return f'the model "{model.name}" overlaps {listed(names)}, and is pushed out'
+        names = listed([each.description for each in entities])
+        return f"{model.description} overlaps {names}, and is pushed out"
 
     def delete_model(self, name: str) -> None:
         """Removes a model from the world, with its topics and frames.
@@ -394,8 +391,9 @@ class World:
     def reset(self, seed: Optional[int] = None) -> None:
         """Rebuilds the world as it was loaded: its models, plugins, walls and random numbers.
 
-        The run from then on equals, bit for bit, that of a newly loaded world. No file is read.
-        Models and plugins are new objects, and the former ones are gone; topics stay connected.
+        The run from then on equals, bit for bit, that of a newly loaded world. No file is read:
+        with another seed, expressions with math.random are evaluated again as they were. Models and
+        plugins are new objects, and the former ones are gone; topics stay connected.
 
         In a plugin's hook, this happens at the end of the step; a failure is then logged. Changes
         requested after it in the same step fail.
@@ -426,7 +424,7 @@ class World:
             FlatlandError: something in them is wrong, or the world was made without a file.
         """
         read_at = time.monotonic()
-        with closing(YamlPreprocessor(self.transport.get_param)) as preprocessor:
+        with closing(YamlPreprocessor(self.transport.get_param, self.seed)) as preprocessor:
             return replace(self.config.read_again(path, preprocessor), read_at=read_at)
 
     def rebuild(

@@ -1,5 +1,6 @@
 """The contents of a world's files: its properties, layers, models and plugins."""
 
+from contextlib import closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Set, Tuple, Union
@@ -9,6 +10,7 @@ import numpy as np
 from flatland_server.arrays import Segments
 from flatland_server.config.file_names import find_file, is_bare, nor_in
 from flatland_server.config.input_files import is_file
+from flatland_server.config.plain_nodes import plain_copy, to_node
 from flatland_server.config.ros_names import namespace_problem
 from flatland_server.config.yaml_map import check_topic_name
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
@@ -38,6 +40,7 @@ class ModelEntry:
         pose: of the model's origin in the world.
         model: the contents of its file.
         is_inline: whether these are in the world's file itself.
+        reader: of the entry, for warnings; None if it is in no file.
     """
 
     name: str
@@ -45,6 +48,7 @@ class ModelEntry:
     pose: Pose
     model: ModelConfig
     is_inline: bool = False
+    reader: Optional[YamlReader] = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,8 @@ class WorldConfig:
         path: the world file, if it was read from one.
         simplify_map: how much the outlines of map images were simplified; see `read_map`.
         read_at: when reading it again began [s of time.monotonic]; 0 for a server's first world.
+        seed: of the world, if its files have random numbers (math.random).
+        with_seed: reads those files with another seed, as they were; None without random numbers.
     """
 
     velocity_iterations: int
@@ -77,6 +83,10 @@ class WorldConfig:
     path: Optional[Path] = field(default=None, compare=False)
     simplify_map: int = 0
     read_at: float = field(default=0.0, compare=False)
+    seed: int = field(default=0, compare=False)
+    with_seed: Optional[Callable[[int], "WorldConfig"]] = field(
+        default=None, compare=False, repr=False
+    )
 
     @classmethod
     def from_file(
@@ -98,10 +108,11 @@ class WorldConfig:
         Raises:
             YamlError: something in the files is wrong; lists everything that was found.
         """
-        reader = YamlReader.from_file(path, preprocessor)
-        return cls.read(
-            reader, preprocessor, simplify_map=simplify_map, model_folders=model_folders
-        )
+
+        def open(preprocessor: YamlPreprocessor) -> YamlReader:
+            return YamlReader.from_file(path, preprocessor)
+
+        return cls._open(open, path, preprocessor, simplify_map, model_folders)
 
     @classmethod
     def from_content(
@@ -121,11 +132,43 @@ class WorldConfig:
             simplify_map: as for `from_file`.
             model_folders: as for `from_file`.
         """
-        reader = YamlReader.from_content(content, "world", preprocessor)
+        node = to_node(plain_copy(content, "world"), "world")
+
+        def open(preprocessor: YamlPreprocessor) -> YamlReader:
+            return YamlReader(preprocessor.resolve(node))
+
+        return cls._open(open, None, preprocessor, simplify_map, model_folders)
+
+    @classmethod
+    def _open(
+        cls,
+        open: Callable[[YamlPreprocessor], YamlReader],
+        path: Optional[Path],
+        preprocessor: Optional[YamlPreprocessor],
+        simplify_map: int,
+        model_folders: Sequence[Path],
+        former: Optional["WorldConfig"] = None,
+    ) -> "WorldConfig":
+        """Reads a world file or its content, and again for other seeds if it has random numbers."""
+        if preprocessor is None:
+            with closing(YamlPreprocessor()) as own:
+                return cls._open(open, path, own, simplify_map, model_folders)
         config = cls.read(
-            reader, preprocessor, simplify_map=simplify_map, model_folders=model_folders
+            open(preprocessor),
+            preprocessor,
+            simplify_map=simplify_map,
+            model_folders=model_folders,
+            former=former,
         )
-        return replace(config, path=None)
+        config = replace(config, path=path)
+        if preprocessor.random_count == 0:
+            return config
+
+        def with_seed(seed: int) -> "WorldConfig":
+            with closing(preprocessor.again(seed)) as other:
+                return cls._open(open, path, other, simplify_map, model_folders, config)
+
+        return replace(config, seed=preprocessor.seed, with_seed=with_seed)
 
     @classmethod
     def read(
@@ -135,6 +178,7 @@ class WorldConfig:
         *,
         simplify_map: int = 0,
         model_folders: Sequence[Path] = (),
+        former: Optional["WorldConfig"] = None,
     ) -> "WorldConfig":
         """Like `from_file`, for a file that has been parsed already.
 
@@ -143,6 +187,7 @@ class WorldConfig:
             preprocessor: as for `from_file`.
             simplify_map: as for `from_file`.
             model_folders: as for `from_file`.
+            former: of the same files with another seed, to keep its walls.
         """
         properties = reader.get_section("properties", required=True)
         velocity_iterations = properties.get_int(
@@ -156,7 +201,7 @@ class WorldConfig:
         layers = reader.get_sections(
             "layers", lambda section: LayerConfig.read(section, registry), required=True
         )
-        walls, images = _read_walls(reader, preprocessor, simplify_map)
+        walls, images = _read_walls(reader, preprocessor, simplify_map, former)
         layers = [replace(layer, encloses=layer.map in images) for layer in layers]
         files: Dict[Path, ModelConfig] = {}  # so that each file is read only once
 
@@ -186,6 +231,17 @@ class WorldConfig:
             reader.file,
             simplify_map,
         )
+
+    def for_seed(self, seed: int) -> "WorldConfig":
+        """The same world with the random numbers of a seed; itself if its files have none.
+
+        Args:
+            seed: of the world.
+
+        Raises:
+            FlatlandError: with this seed, something in the files is wrong.
+        """
+        return self if self.with_seed is None or seed == self.seed else self.with_seed(seed)
 
     def read_again(
         self, path: Optional[Path] = None, preprocessor: Optional[YamlPreprocessor] = None
@@ -258,7 +314,10 @@ class WorldConfig:
 
 
 def _read_walls(
-    reader: YamlReader, preprocessor: Optional[YamlPreprocessor], simplify_map: int
+    reader: YamlReader,
+    preprocessor: Optional[YamlPreprocessor],
+    simplify_map: int,
+    former: Optional[WorldConfig],
 ) -> Tuple[Dict[MapSource, Segments], Set[MapSource]]:
     """The walls of each map, and the maps that are images or grids.
 
@@ -267,11 +326,18 @@ def _read_walls(
     """
     walls: Dict[MapSource, Segments] = {}
     images: Set[MapSource] = set()
+    kept = {} if former is None else former.walls
+    kept_images = {each.map for each in former.layers if each.encloses} if former else set()
 
     def read(section: YamlReader) -> None:
         source = LayerConfig.read_map_source(section)
         if isinstance(source, str):
             config = MapConfig.read(section.get_section("map"))
+        elif preprocessor and source and source in kept and preprocessor.is_plain(source):
+            walls[source] = kept[source]
+            if source in kept_images:
+                images.add(source)
+            return
         elif source is not None and source not in walls and is_file(source):
             config = MapConfig.from_file(source, preprocessor)
         else:
@@ -308,4 +374,4 @@ def _read_model_entry(
         reader.note(error)
     reader.finish()
     assert model is not None  # otherwise `finish` has raised
-    return ModelEntry(name, namespace, pose, model, reader.is_map("model"))
+    return ModelEntry(name, namespace, pose, model, reader.is_map("model"), reader)

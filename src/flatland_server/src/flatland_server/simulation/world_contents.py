@@ -52,7 +52,7 @@ class WorldContents:
         revision: PluginRevision,
         former: Optional["WorldContents"] = None,
     ) -> None:
-        self.config = config
+        self.config = config = config.for_seed(seed)
         self.seed = seed
         # A world in which there are the layers already, for the next reset.
         self._spare: Optional[_core.World] = None
@@ -68,7 +68,6 @@ class WorldContents:
         self.plugins = PluginManager(transport, loader, seed, self.physics, self.entities, revision)
         if former is not None:
             self.plugins.on_failure = former.plugins.on_failure
-            self.plugins.take_over_warnings(former.plugins)
         self.plan = self.plugins.plan
         self.deferred = DeferredActions()
         self.additions = Additions()

@@ -1,12 +1,12 @@
 """The plugins that publish each frame."""
 
-import logging
-from typing import Dict, List, Set, Tuple
+from typing import Callable, Dict, List, Set, Tuple
 
 from flatland_server.config.ros_names import FRAME, is_frame
 from flatland_server.exceptions import TopicError, shortened
 
-logger = logging.getLogger(__name__)
+Warn = Callable[[str], None]
+"""Logs a warning at the place of a plugin in its file, once."""
 
 
 class FrameRegistry:
@@ -20,18 +20,19 @@ class FrameRegistry:
         self._publishers: Dict[str, str] = {}  # by frame
         self._parents: Dict[str, str] = {}
         self._frames: Dict[str, List[str]] = {}  # by publisher
-        self._warned: Set[Tuple[str, str]] = set()  # a frame and its second publisher
+        # A frame and its second publisher; "" if it is one of odometry.
+        self._warned: Set[Tuple[str, str]] = set()
         self._odometry: Dict[str, Dict[str, None]] = {}  # publishers by frame, in their order
         self._odometry_of: Dict[str, List[str]] = {}  # the same frames by publisher
-        self._warned_odometry: Set[str] = set()
 
-    def claim(self, parent: str, child: str, publisher: str) -> None:
+    def claim(self, parent: str, child: str, publisher: str, warn: Warn) -> None:
         """Registers the publisher of a frame; warns once if there is another one already.
 
         Args:
             parent: the frame that the transform is from.
             child: the frame that it places.
             publisher: a plugin, as `model/plugin` or the name of a plugin of the world.
+            warn: logs its warnings.
 
         Raises:
             TopicError: TF cannot have a frame of one of these names.
@@ -48,18 +49,15 @@ class FrameRegistry:
         elif (child, publisher) not in self._warned:
             self._warned.add((child, publisher))
             other = self._parents[child]
-            conflict = f'from "{parent}"'
+            conflict = f'two plugins publish the frame "{child}" from "{parent}"'
             if parent != other:
                 conflict += f' and from "{other}", though a frame can have only one parent'
-            logger.warning(
-                'two plugins publish the frame "%s" %s: %s and %s; switch one of them off',
-                child,
-                conflict,
-                first,
-                publisher,
-            )
+            advice = "switch one of them off"
+            if _model_of(first) != _model_of(publisher):
+                advice = "give each model in the world file a namespace of its own"
+            warn(f"{conflict}: {first} and {publisher}; {advice}")
 
-    def claim_odometry(self, frame_id: str, publisher: str) -> None:
+    def claim_odometry(self, frame_id: str, publisher: str, warn: Warn) -> None:
         """Registers the publisher of a transform from a frame of odometry to a model.
 
         Warns once for each frame if a plugin of another model has registered it already.
@@ -67,28 +65,22 @@ class FrameRegistry:
         Args:
             frame_id: the frame that odometry starts from, such as "odom".
             publisher: a plugin, as `model/plugin`.
+            warn: logs its warnings.
         """
         publishers = self._odometry.setdefault(frame_id, {})
         if publisher not in publishers:
             publishers[publisher] = None
             self._odometry_of.setdefault(publisher, []).append(frame_id)
         first = next(iter(publishers))
-        if _model_of(first) == _model_of(publisher) or frame_id in self._warned_odometry:
+        key = (frame_id, "")
+        if _model_of(first) == _model_of(publisher) or key in self._warned:
             return
-        self._warned_odometry.add(frame_id)
-        logger.warning(
-            'two models share the odometry frame "%s": %s and %s publish transforms from it; '
-            'write "odom_frame_id: ~odom" in the model file and give each model a namespace, '
-            "so that each has a frame <namespace>_odom",
-            frame_id,
-            first,
-            publisher,
+        self._warned.add(key)
+        warn(
+            f'two models share the odometry frame "{frame_id}": {first} and {publisher} publish '
+            'transforms from it; write "odom_frame_id: ~odom" in the model file and give each '
+            "model a namespace, so that each has a frame <namespace>_odom"
         )
-
-    def take_over_warnings(self, former: "FrameRegistry") -> None:
-        """Suppresses warnings that the registry of the same world has given before a reset."""
-        self._warned |= former._warned
-        self._warned_odometry |= former._warned_odometry
 
     @property
     def odometry_frames(self) -> Set[str]:
@@ -108,7 +100,6 @@ class FrameRegistry:
             del publishers[publisher]
             if not publishers:
                 del self._odometry[frame_id]
-                self._warned_odometry.discard(frame_id)
 
 
 def _model_of(publisher: str) -> str:

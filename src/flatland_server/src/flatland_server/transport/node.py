@@ -6,6 +6,7 @@ program without a ROS master. Callbacks run between steps, on the thread of the 
 
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple
 
+from flatland_server.config.yaml_map import warn_once
 from flatland_server.exceptions import PLUGIN_ERRORS, TopicError
 from flatland_server.geometry import Transform
 from flatland_server.messages.message_types import get
@@ -61,6 +62,8 @@ class Node:
         self.on_failure: Optional[Callable[[str], None]] = None
         """Called while the exception of a callback is being handled, with a description of the
         callback. Without it, the exception is raised."""
+        self.warn: Callable[[str], None] = warn_once
+        """Logs a warning, once; for the plugin of a file with its place in it."""
 
     def scoped(self, namespace: str, owner: str) -> "Node":
         """A node for another plugin.
@@ -177,7 +180,7 @@ class Node:
         Raises:
             TopicError: TF cannot have a frame of this name.
         """
-        self._frames.claim(parent, child, self.owner)
+        self._frames.claim(parent, child, self.owner, self.warn)
 
     def claim_odometry_frame(self, frame_id: str) -> None:
         """Announces that this node publishes a model's transform from a frame of odometry.
@@ -187,15 +190,7 @@ class Node:
         Args:
             frame_id: of the frame of odometry.
         """
-        self._frames.claim_odometry(frame_id, self.owner)
-
-    def take_over_warnings(self, former: "Node") -> None:
-        """Suppresses warnings about frames that were given before the world was reset.
-
-        Args:
-            former: the node before the reset.
-        """
-        self._frames.take_over_warnings(former._frames)
+        self._frames.claim_odometry(frame_id, self.owner, self.warn)
 
     @property
     def odometry_frames(self) -> Set[str]:
@@ -233,7 +228,7 @@ class Node:
         Args:
             transform: of one time.
         """
-        self._frames.claim(transform.parent, transform.child, self.owner)
+        self._frames.claim(transform.parent, transform.child, self.owner, self.warn)
         self._transport.send_transform(transform)
 
     def get_param(self, name: str, default: Any = None) -> Any:

@@ -52,8 +52,6 @@ WRONG_MAPS: Dict[str, Case] = {
      'lines.dat:3: expected "x1 y1 x2 y2", found "2 3 -1"'),
     "NaN in a line": (DATA, "2 3 -1 2", "2 3 nan 2",
      'lines.dat:2: expected "x1 y1 x2 y2", found "2 3 nan 2"'),
-    "a line without length": (DATA, "2 3 -1 2", "2 3 2.0 3",
-     "lines.dat:2: expected two different ends, found one point twice"),
     "data that is not text": (DATA, None, b"0 0 1 1\n\xff\xfe",
      "lines.dat: cannot be read: it is not UTF-8 text"),
 }

@@ -84,20 +84,20 @@ WRONG_MODELS: Dict[str, Case] = {
      'mean "sensor"?)'),
     "a polygon's key at a circle": (MODEL, "radius: 0.5", "radius: 0.5\n        points: []",
      'robot.model.yaml:12: bodies[0].footprints[0]: unknown key "points"'),
-    "no points": (MODEL, "points: [[0, 0], [0.2, 0], [0.2, 0.1], [0, 0.1]]\n        ", "",
+    "no points": (MODEL, "points: [[0.02, 0], [0.2, 0], [0.2, 0.1], [0.02, 0.1]]\n        ", "",
      'robot.model.yaml:21: bodies[1].footprints[0]: the required key "points" is missing'),
-    "two vertices": (MODEL, "[[0, 0], [0.2, 0], [0.2, 0.1], [0, 0.1]]", "[[0, 0], [1, 0]]",
+    "two vertices": (MODEL, "[[0.02, 0], [0.2, 0], [0.2, 0.1], [0.02, 0.1]]", "[[0, 0], [1, 0]]",
      "robot.model.yaml:22: bodies[1].footprints[0].points: expected a list of 3 to 8 "
      "points [x, y], found [[0, 0], [1, 0]]"),
-    "nine vertices": (MODEL, "[[0, 0], [0.2, 0], [0.2, 0.1], [0, 0.1]]",
+    "nine vertices": (MODEL, "[[0.02, 0], [0.2, 0], [0.2, 0.1], [0.02, 0.1]]",
      "[[0, 0], [1, 0], [2, 1], [3, 3], [3, 4], [2, 5], [1, 5], [0, 4], [-1, 2]]",
      "robot.model.yaml:22: bodies[1].footprints[0].points: expected a list of 3 to 8 "
      "points [x, y], found [[0, 0], [1, 0], [2, 1], [3, 3], [3, 4], [2, 5], [1, 5], ..."),
-    "a vertex that is none": (MODEL, "[[0, 0], [0.2, 0], [0.2, 0.1], [0, 0.1]]",
+    "a vertex that is none": (MODEL, "[[0.02, 0], [0.2, 0], [0.2, 0.1], [0.02, 0.1]]",
      "[[0, 0], [1, 0], [1, a]]",
      "robot.model.yaml:22: bodies[1].footprints[0].points: expected [x, y], found "
      '[[0, 0], [1, 0], [1, "a"]]'),
-    "vertices in a line": (MODEL, "[[0, 0], [0.2, 0], [0.2, 0.1], [0, 0.1]]",
+    "vertices in a line": (MODEL, "[[0.02, 0], [0.2, 0], [0.2, 0.1], [0.02, 0.1]]",
      "[[0, 0], [1, 1], [2, 2]]",
      "robot.model.yaml:21: bodies[1].footprints[0]: a polygon is too small or too "
      "thin: Box2D finds no area in it"),
