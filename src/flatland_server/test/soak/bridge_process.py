@@ -219,6 +219,7 @@ def start_node(processes: ExitStack, folder: Path, planted: Path) -> Bridge:
     """Starts a ROS master, the server and the node `bridge`."""
     master = Master()
     processes.callback(master.kill)
+    master.ask("setParam", "/use_sim_time", True)  # as server.launch does
     server = Server(master, folder / "server.log")
     processes.callback(server.kill)
     command = [executable("flatland_bridge", "bridge"), "_port:=0", "_foxglove_port:=0"]

@@ -126,18 +126,10 @@ class Witness:
             wait = f"{name} has waited {seconds:.1f} s for its {kind}"
             findings.expect(self._end or seconds < LIMIT, wait)
 
-    def check_streams(self, findings: Findings, what: str) -> None:
-        """All its topics have messages."""
-        begin = time.monotonic()
-
-        def missing() -> List[str]:
-            return [topic for topic in STREAMS if self._seen.get(topic, 0.0) < begin]
-
-        try:
-            wait_until(lambda: self._end or not missing(), "", limit=2 * LIMIT)
-        except AssertionError:
-            name = f"an honest client of {self._protocol.name}"
-            findings.expect(False, f"{what}: {name} gets nothing on {missing()}")
+    def missing(self, since: float) -> List[str]:
+        """Topics on which it has received nothing since a time of `time.monotonic`."""
+        names = [topic for topic in STREAMS if self._seen.get(topic, 0.0) < since]
+        return [f"{name} ({self._protocol.name})" for name in names if not self._end]
 
     def close(self) -> None:
         self._goes_on = False

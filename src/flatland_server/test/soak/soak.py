@@ -18,6 +18,8 @@ from waiting import wait_until
 
 CALLS, MESSAGES, SIGNALS, KILLS = 100, 50, 2, 3
 # of a client, to each topic, to starting servers, of sweeps
+REST = 200
+"""Equal readings in a row of files and threads, 5 ms apart, for the server to be at rest."""
 WARM_UP = 0.2  # of the time
 MOST_GROWTH = 1.05
 """Largest ratio of the memory at the end to that after the warm-up."""
@@ -51,7 +53,7 @@ class Soak:
         with contextlib.ExitStack() as processes:
             self._start(processes)
             faults.silent_connections(self._server, random.Random(self._seed), self.findings)
-            self.start = Usage.at_rest(self._server.process.pid)
+            self.start = self._usage_at_rest()
             while self.rounds < 2 or time.monotonic() < begin + seconds:
                 self._run_round()
                 if not self._server.is_running:
@@ -106,6 +108,18 @@ class Soak:
             if not server.is_running:
                 break
         self.rounds += 1
+
+    def _usage_at_rest(self) -> Usage:
+        """The server's resources when the threads of closed connections have ended."""
+        usages: List[Usage] = []
+
+        def is_at_rest() -> bool:
+            usages.append(Usage.of(self._server.process.pid))
+            latest = usages[-REST:]
+            return len(latest) == REST and len({usage[1:] for usage in latest}) == 1
+
+        wait_until(is_at_rest, "the server to be at rest")
+        return usages[-1]
 
     def _check_usage(self) -> None:
         """Records the server's resources: no more files and threads than at the start."""

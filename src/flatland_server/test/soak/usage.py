@@ -1,13 +1,9 @@
 """Resources of a process: memory, open files, threads."""
 
 import os
+import time
 from pathlib import Path
-from typing import List, NamedTuple
-
-from waiting import wait_until
-
-REST = 200
-"""Equal readings in a row of files and threads, 5 ms apart, for a process to be at rest."""
+from typing import NamedTuple
 
 
 class Usage(NamedTuple):
@@ -28,17 +24,14 @@ class Usage(NamedTuple):
         return cls(int(values["VmRSS"].split()[0]) / 1024, files, int(values["Threads"]))
 
     @classmethod
-    def at_rest(cls, pid: int) -> "Usage":
-        """The resources of a process when the threads of closed connections have ended."""
-        usages: List[Usage] = []
-
-        def is_at_rest() -> bool:
+    def largest(cls, pid: int, seconds: float) -> "Usage":
+        """The most of each that a process has within a time [s]."""
+        end = time.monotonic() + seconds
+        usages = [cls.of(pid)]
+        while time.monotonic() < end:
             usages.append(cls.of(pid))
-            latest = usages[-REST:]
-            return len(latest) == REST and len({usage[1:] for usage in latest}) == 1
-
-        wait_until(is_at_rest, f"the process {pid} to be at rest", interval=0.005)
-        return usages[-1]
+            time.sleep(0.005)
+        return cls(*map(max, zip(*usages)))
 
     def has_no_more_than(self, other: "Usage") -> bool:
         """True if there are at most as many open files and threads."""
