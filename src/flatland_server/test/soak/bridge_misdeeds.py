@@ -19,7 +19,7 @@ from soak.random_bridge_messages import RandomMessages, known_services
 from waiting import wait_until
 
 BATCHES, BATCH = 80, 5  # of random messages to each protocol
-STORM = 2.0  # s
+STORM = 4.0  # s
 LARGE = "x" * 900_000  # nearly the longest that a message may be
 MODEL = """
 bodies: [{name: b, footprints: [{type: circle, density: 1, radius: $eval
@@ -57,30 +57,38 @@ FRAMES = (
 )  # fmt: skip
 
 
+MISDEEDS = (
+    *("random_messages_of_rosbridge", "random_messages_of_foxglove", "wrong_http", "broken_frames"),
+    *("silent_connections", "killed_clients", "subscription_storm", "many_ids", "many_fragments"),
+    *("unanswered_calls", "many_calls", "slow_calls", "stalled_readers", "no_descriptors"),
+)
+
+
 class Misdeeds:
-    """Misdeeds of clients, with random choices.
+    """Misdeeds of clients, with random choices. `MISDEEDS` are its methods.
 
     Args:
         bridge: the bridge.
         rng: of all choices.
         findings: what was found.
         what: names the seed.
+        share: of the usual number of messages, and of the usual time.
     """
 
-    def __init__(self, bridge: Bridge, rng: random.Random, findings: Findings, what: str) -> None:
+    def __init__(
+        self,
+        bridge: Bridge,
+        rng: random.Random,
+        findings: Findings,
+        what: str,
+        share: float = 1.0,
+    ) -> None:
         self._bridge = bridge
         self._rng = rng
         self._findings = findings
         self._what = what
-        self.all: Dict[str, Callable[[], None]] = {
-            each.__name__: each
-            for each in (
-                *(self.random_messages_of_rosbridge, self.random_messages_of_foxglove),
-                *(self.wrong_http, self.broken_frames, self.silent_connections, self.killed_clients),
-                *(self.subscription_storm, self.many_ids, self.many_fragments, self.unanswered_calls),
-                *(self.many_calls, self.slow_calls, self.stalled_readers, self.no_descriptors),
-            )
-        }
+        self._batches = round(share * BATCHES)
+        self._storm = share * STORM
 
     # Decoders
 
@@ -88,7 +96,7 @@ class Misdeeds:
         """Each is answered or ignored within a time, and the client stays connected."""
         messages = self._random_messages()
         peer = Peer(self._bridge.rosbridge)
-        for number in range(BATCHES):
+        for number in range(self._batches):
             batch = [messages.rosbridge() for _ in range(BATCH)]
             mark = f"mark {number}"
             probe = {"op": "call_service", "service": "/rosapi/get_time", "id": mark}
@@ -102,7 +110,7 @@ class Misdeeds:
         messages = self._random_messages()
         peer = Peer(self._bridge.foxglove)
         channels, services = self._offers(peer)
-        for number in range(BATCHES):
+        for number in range(self._batches):
             batch = [messages.foxglove(channels, services) for _ in range(BATCH)]
             mark = f"mark{number}"
             if not self._is_survived(peer, batch, json.dumps({"op": mark}), mark.encode()):
@@ -217,7 +225,7 @@ class Misdeeds:
 
     def subscription_storm(self) -> None:
         """Several clients subscribe and unsubscribe as fast as they can, also to new topics."""
-        end = time.monotonic() + STORM
+        end = time.monotonic() + self._storm
         topics = [*FUZZED, "/scan", "/tf", "/clock", "/flatland_server/model_states"]
 
         def storm(rng: random.Random) -> None:
@@ -271,7 +279,7 @@ class Misdeeds:
             for number in range(50):
                 slow = {"yaml_path": SLOW_MODEL, "name": f"slow_{number}"}
                 peer.send(_call("/spawn_model_from_string", **slow))
-            end = time.monotonic() + 2 * LIMIT
+            end = time.monotonic() + 2 * self._storm
             while time.monotonic() < end:
                 with suppress(TimeoutError):
                     peer.receive(0.5)

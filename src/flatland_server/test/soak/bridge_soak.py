@@ -3,16 +3,16 @@
 import random
 import threading
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Callable, Dict, List, Sequence
+from typing import Any, Callable, Dict, Iterator, List, Sequence
 
-from soak.bridge_misdeeds import Misdeeds, restore
+from soak.bridge_misdeeds import MISDEEDS, Misdeeds, restore
 from soak.bridge_process import LIMIT, Bridge, serve, start_node
 from soak.bridge_witnesses import Witness, witnesses
 from soak.findings import Findings
 from soak.random_bridge_messages import PLANTED
-from soak.usage import Usage
+from soak.usage import MOST_GROWTH, Usage
 from waiting import wait_until
 
 STARTS: Dict[str, Callable[[ExitStack, Path, Path], Bridge]] = {
@@ -23,29 +23,32 @@ MOST_PEAK = 300.0
 """What clients may take of the memory for a moment [MB]: eight at their limits, decoded."""
 AT_START = 2.0
 """How long files and threads are counted at first [s]: the node asks its master from time to time."""
+MOST_KEPT = 100.0
+"""What it may have more than at its start after a misdeed [MB]."""
 MOST_MEMORY = 3000.0  # MB: a bridge with more is killed, before the machine suffers
 
 
 class BridgeSoak:
-    """One kind of bridge, which is started again after a fault that ends it.
+    """A bridge of one kind, which is started again after a fault.
 
     Args:
         kind: one of `STARTS`.
         folder: of logs and files.
-        findings: what was found.
+        share: of the usual length of misdeeds.
+
+    Attributes:
+        kind: one of `STARTS`.
     """
 
-    def __init__(self, kind: str, folder: Path, findings: Findings) -> None:
-        self._kind = kind
+    def __init__(self, kind: str, folder: Path, share: float = 1.0) -> None:
+        self.kind = kind
         self._folder = folder
-        self._findings = findings
+        self._share = share
         self._planted = folder / "planted"
         self._planted.mkdir(parents=True)
         self._proof = folder / "imported"
         text = f"open({str(self._proof)!r}, 'w').close()\n"
         (self._planted / f"{PLANTED}.py").write_text(text)
-        self._processes = ExitStack()
-        self._witnesses: List[Witness] = []
         self._start()
 
     @property
@@ -53,31 +56,32 @@ class BridgeSoak:
         """The bridge that runs."""
         return self._bridge
 
-    def run_round(self, seed: int, names: Sequence[str] = ()) -> None:
-        """Tries the misdeeds of some names, or all, and looks at the bridge after each of them."""
-        for name in names or Misdeeds(self._bridge, random.Random(), self._findings, "").all:
-            what = f"seed {seed}, {self._kind}, {name}"
+    def run_round(self, seed: int, names: Sequence[str], findings: Findings) -> None:
+        """Tries some of `MISDEEDS`, and looks at the bridge after each of them."""
+        for name in names:
+            what = f"seed {seed}, {self.kind}, {name}"
             rng = random.Random(f"{name} {seed}")
-            misdeeds = Misdeeds(self._bridge, rng, self._findings, what)
-            self._findings.counts[f"misdeeds to {self._kind}"] += 1
-            self._bridge.forget_peak()
-            before = self._bridge.usage().memory
-            begin = time.monotonic()
-            ended = threading.Event()
-            guard = threading.Thread(target=self._guard, args=(ended,), daemon=True)
-            guard.start()
+            misdeeds = Misdeeds(self._bridge, rng, findings, what, self._share)
+            findings.counts[f"misdeeds to {self.kind}"] += 1
+            violations = findings.counts["violations"]
             try:
-                misdeeds.all[name]()
-                restore(self._bridge)
+                with self._limited_memory(what, findings):
+                    getattr(misdeeds, name)()
+                    restore(self._bridge)
             except (OSError, AssertionError) as error:
-                self._findings.expect(False, f"{what}: {error!r}")
-            finally:
-                ended.set()
-                guard.join()
-            is_sound = self._check(what, before, time.monotonic() - begin)
-            if not is_sound:
+                findings.expect(False, f"{what}: {error!r}")
+            self._check(what, findings)
+            if findings.counts["violations"] > violations:
                 self.close()
                 self._start()
+
+    def check_growth(self, findings: Findings) -> None:
+        """The memory does not grow after a fifth of the time."""
+        count = len(self._memories) // 5
+        if count >= len(MISDEEDS):
+            warm, end = max(self._memories[:count]), min(self._memories[-count:])
+            what = f"{self.kind}: memory has grown from {warm:.1f} to {end:.1f} MB"
+            findings.expect(end <= MOST_GROWTH * warm, what)
 
     def close(self) -> None:
         """Ends all processes."""
@@ -87,14 +91,30 @@ class BridgeSoak:
 
     def _start(self) -> None:
         self._processes = ExitStack()
-        self._bridge = STARTS[self._kind](self._processes, self._folder, self._planted)
+        self._bridge = STARTS[self.kind](self._processes, self._folder, self._planted)
         self._witnesses = witnesses(self._bridge)
-        warm_up = Misdeeds(self._bridge, random.Random(0), self._findings, "warm-up")
+        self._memories: List[float] = []  # after each misdeed
         before = self._bridge.usage().open_files
-        warm_up.many_calls()
+        Misdeeds(self._bridge, random.Random(), Findings(), "").many_calls()
         wait_until(lambda: self._bridge.usage().open_files <= before + 5, "connections to end")
         self._bridge.empty_log()
         self._at_start = Usage.largest(self._bridge.process.pid, AT_START)
+
+    @contextmanager
+    def _limited_memory(self, what: str, findings: Findings) -> Iterator[None]:
+        """A context that takes little memory; a bridge that takes the machine's is killed."""
+        before, ended = self._bridge.usage().memory, threading.Event()
+        self._bridge.forget_peak()
+        guard = threading.Thread(target=self._guard, args=(ended,), daemon=True)
+        guard.start()
+        try:
+            yield
+        finally:
+            ended.set()
+            guard.join()
+            if self._bridge.is_running:
+                taken = self._bridge.peak() - before
+                findings.expect(taken < MOST_PEAK, f"{what}: it takes {taken:.0f} MB")
 
     def _guard(self, ended: threading.Event) -> None:
         """Kills a bridge that takes the machine's memory."""
@@ -102,25 +122,23 @@ class BridgeSoak:
             try:
                 if self._bridge.usage().memory > MOST_MEMORY:
                     self._bridge.process.kill()
-            except OSError:
+            except (OSError, KeyError):  # it has ended
                 return
 
-    def _check(self, what: str, before: float, seconds: float) -> bool:
-        """Looks at the bridge after a misdeed. Returns whether it is as before."""
-        bridge, findings, count = self._bridge, self._findings, self._findings.counts
-        faults = count["violations"]
-        log = bridge.log
+    def _check(self, what: str, findings: Findings) -> None:
+        """The bridge is as before, and honest clients have been served."""
+        bridge, log = self._bridge, self._bridge.log
         where = log.find("Traceback")
-        findings.expect(where < 0, f"{what}: traceback: {log[max(0, where - 200) :][:3000]}")
+        findings.expect(where < 0, f"{what}: {log[max(0, where - 200) :][:3000]}")
         findings.expect(not self._proof.exists(), f"{what}: a client has imported a module")
         self._proof.unlink(missing_ok=True)
         bridge.empty_log()
-        if not findings.expect(bridge.is_running, f"{what}: the bridge has ended: {log[-2000:]}"):
-            return False
-        peak = bridge.peak() - before
-        findings.expect(peak < MOST_PEAK, f"{what}: {peak:.0f} MB were taken in {seconds:.1f} s")
+        if not findings.expect(bridge.is_running, f"{what}: it has ended: {log[-2000:]}"):
+            return
         for each in self._witnesses:
             each.check(findings, what)
+        kept = bridge.usage().memory - self._at_start.memory
+        findings.expect(kept < MOST_KEPT, f"{what}: it has {kept:.0f} MB more than at its start")
         now = time.monotonic()
         missing = lambda: [topic for each in self._witnesses for topic in each.missing(now)]
         if not _comes(lambda: not missing()):
@@ -128,10 +146,30 @@ class BridgeSoak:
         if not _comes(lambda: bridge.usage().has_no_more_than(self._at_start)):
             usage = bridge.usage()
             findings.expect(False, f"{what}: {usage} has not gone back to {self._at_start}")
-        return count["violations"] == faults
+        self._memories.append(bridge.usage().memory)
 
-    def usage(self) -> Usage:
-        return self._bridge.usage()
+
+def soak_bridges(
+    folder: Path, seconds: float, seed: int, report: Callable[[str], None]
+) -> Dict[str, Any]:
+    """Disturbs bridges for a time [s], in one round at least. Returns figures as a dict for JSON."""
+    findings = Findings()
+    bridges = [BridgeSoak(kind, folder / kind) for kind in STARTS]
+
+    def run_round(seed: int) -> None:
+        for each in bridges:
+            each.run_round(seed, MISDEEDS, findings)
+            usage = each.bridge.usage()
+            report(f"{each.kind:8} {usage.memory:.1f} MB, {usage.open_files} files")
+
+    try:
+        figures = findings.run_rounds(seconds, seed, run_round, report)
+        for each in bridges:
+            each.check_growth(findings)
+        return {**figures, **findings.to_dict()}
+    finally:
+        for each in bridges:
+            each.close()
 
 
 def _comes(holds: Callable[[], bool]) -> bool:

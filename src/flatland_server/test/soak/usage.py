@@ -5,6 +5,9 @@ import time
 from pathlib import Path
 from typing import NamedTuple
 
+MOST_GROWTH = 1.05
+"""Largest ratio of the memory at the end to that after the warm-up."""
+
 
 class Usage(NamedTuple):
     """The resources of a process at one time."""
