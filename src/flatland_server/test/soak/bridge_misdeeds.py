@@ -196,7 +196,7 @@ class Misdeeds:
                 with suppress(OSError):
                     for topic in FUZZED:
                         peer.send(_subscribe(topic, self._rng.choice(["none", "cbor"])))
-                    peer.send(_call("/spawn_model_from_string", yaml_path=SLOW_MODEL, name="x"))
+                    peer.send(_call("/spawn_model_from_string", yaml_path=MODEL % "1e6", name="x"))
                     data = b"\x81\xfe\xff\xff\x00\x00\x00\x00" + b"{" * self._rng.randrange(9000)
                     peer.socket.sendall(data)
                 linger = struct.pack("ii", 1, 0)  # a reset instead of an end
