@@ -7,7 +7,7 @@ import socket
 import subprocess
 import sys
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, List, Optional, Union
 from urllib.parse import urlsplit
@@ -129,10 +129,8 @@ class Peer:
             self._protocol.receive_data(data)
         else:
             self._protocol.receive_eof()
-        try:
+        with suppress(OSError):
             self._flush()  # answers to pings
-        except OSError:
-            pass
 
 
 class Bridge:

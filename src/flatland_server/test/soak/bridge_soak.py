@@ -1,4 +1,4 @@
-"""A soak of bridges: clients misbehave in rounds, and honest ones beside them go on being served."""
+"""A soak of bridges: clients misbehave in rounds, and honest ones beside them are served."""
 
 import random
 import threading
@@ -9,7 +9,7 @@ from typing import Any, Callable, Dict, Iterator, List, Sequence
 
 from soak.bridge_misdeeds import MISDEEDS, Misdeeds, restore
 from soak.bridge_process import Bridge, serve, start_node
-from soak.bridge_witnesses import Witness, witnesses
+from soak.bridge_witnesses import witnesses
 from soak.findings import Findings
 from soak.random_bridge_messages import PLANTED
 from soak.usage import MOST_GROWTH, Usage
@@ -22,9 +22,9 @@ STARTS: Dict[str, Callable[[ExitStack, Path, Path], Bridge]] = {
 MOST_PEAK = 300.0
 """What clients may take of the memory for a moment [MB]: eight at their limits, decoded."""
 SLACK = 8
-"""Files and threads that it may have more than at its start: workers of calls start when they are needed."""
+"""Files and threads that it may have more than at its start: workers start when needed."""
 AT_START = 2.0
-"""How long files and threads are counted at first [s]: the node asks its master from time to time."""
+"""How long files and threads are counted at first [s]: the node asks its master every 0.5 s."""
 MOST_KEPT = 100.0
 """What it may have more than at its start after a misdeed [MB]."""
 MOST_MEMORY = 3000.0  # MB: a bridge with more is killed, before the machine suffers
@@ -142,9 +142,9 @@ class BridgeSoak:
         kept = bridge.usage().memory - self._at_start.memory
         findings.expect(kept < MOST_KEPT, f"{what}: it has {kept:.0f} MB more than at its start")
         now = time.monotonic()
-        missing = lambda: [topic for each in self._witnesses for topic in each.missing(now)]
-        if not _comes(lambda: not missing()):
-            findings.expect(False, f"{what}: honest clients get nothing on {missing()}")
+        if not _comes(lambda: not self._missing(now)):
+            missing = self._missing(now)
+            findings.expect(False, f"{what}: honest clients get nothing on {missing}")
         start = self._at_start
         most = start._replace(open_files=start.open_files + SLACK, threads=start.threads + SLACK)
         if not _comes(lambda: bridge.usage().has_no_more_than(most)):
@@ -152,11 +152,14 @@ class BridgeSoak:
             findings.expect(False, f"{what}: {usage} has not gone back to {start}")
         self._memories.append(bridge.usage().memory)
 
+    def _missing(self, since: float) -> List[str]:
+        return [topic for each in self._witnesses for topic in each.missing(since)]
+
 
 def soak_bridges(
     folder: Path, seconds: float, seed: int, report: Callable[[str], None]
 ) -> Dict[str, Any]:
-    """Disturbs bridges for a time [s], in one round at least. Returns figures as a dict for JSON."""
+    """Disturbs bridges for a time [s], in one round at least. Returns figures for JSON."""
     findings = Findings()
     bridges = [BridgeSoak(kind, folder / kind) for kind in STARTS]
 
