@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Sequence
 
 from soak.bridge_misdeeds import MISDEEDS, Misdeeds, restore
-from soak.bridge_process import Bridge, serve, start_node
+from soak.bridge_process import LIMIT, Bridge, serve, start_node
 from soak.bridge_witnesses import witnesses
 from soak.findings import Findings
 from soak.random_bridge_messages import PLANTED
@@ -142,12 +142,12 @@ class BridgeSoak:
         kept = bridge.usage().memory - self._at_start.memory
         findings.expect(kept < MOST_KEPT, f"{what}: it has {kept:.0f} MB more than at its start")
         now = time.monotonic()
-        if not _comes(lambda: not self._missing(now)):
+        if not _comes(lambda: not self._missing(now), 2 * LIMIT):
             missing = self._missing(now)
             findings.expect(False, f"{what}: honest clients get nothing on {missing}")
         start = self._at_start
         most = start._replace(open_files=start.open_files + SLACK, threads=start.threads + SLACK)
-        if not _comes(lambda: bridge.usage().has_no_more_than(most)):
+        if not _comes(lambda: bridge.usage().has_no_more_than(most), 4 * LIMIT):
             usage = bridge.usage()
             findings.expect(False, f"{what}: {usage} has not gone back to {start}")
         self._memories.append(bridge.usage().memory)
@@ -179,9 +179,9 @@ def soak_bridges(
             each.close()
 
 
-def _comes(holds: Callable[[], bool]) -> bool:
-    """Whether a condition holds soon."""
+def _comes(holds: Callable[[], bool], limit: float) -> bool:
+    """Whether a condition holds within a time [s]."""
     try:
-        return wait_until(holds, "")
+        return wait_until(holds, "", limit)
     except AssertionError:
         return False
