@@ -18,11 +18,12 @@ from soak.ros_messages import publish_at_random
 from soak.usage import MOST_GROWTH, Usage
 from waiting import wait_until
 
-CALLS, MESSAGES, SIGNALS, KILLS, BRIDGE_MISDEEDS = 100, 50, 2, 3, 3
-# of a client, to each topic, to starting servers, of sweeps, to each kind of bridge
+CALLS, MESSAGES, SIGNALS, KILLS = 100, 50, 2, 3
+# of a client, to each topic, to starting servers, of sweeps
 REST = 200
 """Equal readings in a row of files and threads, 5 ms apart, for the server to be at rest."""
 WARM_UP = 0.2  # of the time
+BRIDGE_MISDEEDS = 3  # in a round, to each kind of bridge
 
 
 class Soak:
