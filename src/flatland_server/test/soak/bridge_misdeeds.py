@@ -126,7 +126,7 @@ class Misdeeds:
     def _is_survived(self, peer: Peer, batch: List[Data], probe: str, mark: bytes) -> bool:
         """Sends messages and a probe. Returns whether the connection lasts until its answer."""
         self._findings.counts["random messages to bridges"] += len(batch)
-        what = f"{self._what}: after one of {', '.join(map(_shown, batch))}"
+        messages = f"after one of {', '.join(map(_shown, batch))}"
         end = time.monotonic() + LIMIT
         try:
             for data in [*batch, probe]:
@@ -137,11 +137,11 @@ class Misdeeds:
                     return True
         except Closed as error:
             is_fault = error.code in (None, INTERNAL_ERROR)
-            self._findings.expect(not is_fault, f"{what}, the client is {error}")
+            self._findings.expect(not is_fault, f"{self._what}: {error} {messages}")
             return False
         except OSError:
             pass
-        self._findings.expect(False, f"{what}, the client is not answered for {LIMIT} s")
+        self._findings.expect(False, f"{self._what}: no answer for {LIMIT} s {messages}")
         return False
 
     def _random_messages(self) -> RandomMessages:
