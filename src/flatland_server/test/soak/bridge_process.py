@@ -36,8 +36,8 @@ class Closed(ConnectionError):
         code: of the WebSocket protocol; None without a closing handshake.
     """
 
-    def __init__(self, code: Optional[int]) -> None:
-        super().__init__(f"closed with the code {code}")
+    def __init__(self, code: Optional[int], reason: str) -> None:
+        super().__init__(f"closed with the code {code} {reason}")
         self.code = code
 
 
@@ -111,7 +111,7 @@ class Peer:
 
     def _closed(self) -> Closed:
         received = self._protocol.close_rcvd
-        return Closed(received.code if received else None)
+        return Closed(received.code, received.reason) if received else Closed(None, "")
 
     def _flush(self) -> None:
         for data in self._protocol.data_to_send():
