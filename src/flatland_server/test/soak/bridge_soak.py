@@ -25,8 +25,8 @@ SLACK = 8
 """Files and threads that it may have more than at its start: workers start when needed."""
 AT_START = 2.0
 """How long files and threads are counted at first [s]: the node asks its master every 0.5 s."""
-MOST_KEPT = 100.0
-"""What it may have more than at its start after a misdeed [MB]."""
+MOST_KEPT = 150.0
+"""What it may have more than at its start after a misdeed [MB]: freed, but not given back."""
 MOST_MEMORY = 3000.0  # MB: a bridge with more is killed, before the machine suffers
 
 
