@@ -93,15 +93,16 @@ class BridgeSoak:
         self._processes.close()
 
     def _start(self) -> None:
-        self._processes = ExitStack()
-        self._bridge = STARTS[self.kind](self._processes, self._folder, self._planted)
-        self._witnesses = witnesses(self._bridge)
-        self._memories: List[float] = []  # after each misdeed
-        before = self._bridge.usage().open_files
-        Misdeeds(self._bridge, random.Random(), Findings(), "").many_calls()
-        wait_until(lambda: self._bridge.usage().open_files <= before + 5, "connections to end")
-        self._bridge.empty_log()
-        self._at_start = Usage.largest(self._bridge.process.pid, AT_START)
+        with ExitStack() as processes:
+            self._bridge = STARTS[self.kind](processes, self._folder, self._planted)
+            self._witnesses = witnesses(self._bridge)
+            self._memories: List[float] = []  # after each misdeed
+            before = self._bridge.usage().open_files
+            Misdeeds(self._bridge, random.Random(), Findings(), "").many_calls()
+            wait_until(lambda: self._bridge.usage().open_files <= before + 5, "connections to end")
+            self._bridge.empty_log()
+            self._at_start = Usage.largest(self._bridge.process.pid, AT_START)
+            self._processes = processes.pop_all()
 
     @contextmanager
     def _limited_memory(self, what: str, findings: Findings) -> Iterator[None]:
