@@ -55,6 +55,13 @@ make_venv() {
   cp "$requirements" "$venv/requirements.txt"
 }
 
+# The tests' packages from PyPI, besides Debian's. A venv, so that pip installs what is missing only.
+use_test_packages() {
+  make_venv build/test/venv scripts/test-requirements.txt --system-site-packages
+  PYTHONPATH="$PYTHONPATH:$(echo "$root"/build/test/venv/lib/python3*/site-packages)"
+  export PYTHONPATH
+}
+
 # Enter the built workspace. `--extend` keeps the workspaces sourced before, and the plugins in them.
 # setup.bash reads variables that may be unset, and the positional parameters of the script that sources it.
 # A ROS_ETC_DIR of the caller's stays: scripts/test has a roscore.xml that starts in half the time.

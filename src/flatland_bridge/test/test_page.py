@@ -7,12 +7,32 @@ import shutil
 import subprocess
 
 import pytest
-from bridge_clients import connect, running
+from bridge_clients import ROBOT, Client, connect, running
 from waiting import wait_until
 
 from flatland_bridge.server import ROSBRIDGE
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
+
+RECORD_TEXTS = """
+const write = CanvasRenderingContext2D.prototype.fillText;
+window.texts = {};  // fonts of the texts in the canvas
+CanvasRenderingContext2D.prototype.fillText = function (text, ...rest) {
+  window.texts[text] = this.font;
+  write.call(this, text, ...rest);
+};
+"""
+RETURNS = """(() => {
+  const view = document.getElementById("view"), {x, y} = view.getBoundingClientRect();
+  const {data, width} = view.getContext("2d").getImageData(0, 0, view.width, view.height);
+  const points = [];
+  for (let i = 0; i < data.length; i += 4) {
+    if (data[i] > 200 && data[i + 1] < 80 && data[i + 2] < 80) {
+      points.push([x + i / 4 % width, y + Math.floor(i / 4 / width)]);
+    }
+  }
+  return points;
+})()"""
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")]
 
@@ -41,13 +61,38 @@ class Browser:
 
     def value(self, expression):
         """The value of an expression in the page."""
-        return self.call("Runtime.evaluate", expression=expression)["result"].get("value")
+        answer = self.call("Runtime.evaluate", expression=expression, returnByValue=True)
+        return answer["result"].get("value")
 
     def text(self, name):
         return self.value(f"document.getElementById('{name}').textContent")
 
     def press(self, key, kind="keyDown"):
         self.call("Input.dispatchKeyEvent", type=kind, key=key)
+
+    def open(self, server):
+        """Opens the page, and waits for the world in it."""
+        self.call("Page.enable")
+        self.call("Page.addScriptToEvaluateOnNewDocument", source=RECORD_TEXTS)
+        self.call("Page.navigate", url=server.clients.url(ROSBRIDGE, "http"))
+        wait_until(lambda: self.value("document.getElementById('robot').value"), "the robot")
+
+    def pixel(self, x, y):
+        """Where a point of the world is, as long as the view is as at first."""
+        left, top, width, height = self.value(
+            "(({x, y, width, height}) => [x, y, width, height])"
+            "(document.getElementById('view').getBoundingClientRect())"
+        )
+        scale = 0.95 * min(width, height) / 10  # WORLD is 10 m wide and high
+        return left + width / 2 + x * scale, top + height / 2 - y * scale
+
+    def returns(self):
+        """The points of the world that are drawn as a scan's."""
+        (left, top), (right, _) = self.pixel(0, 0), self.pixel(1, 0)
+        return [
+            ((x - left) / (right - left), (top - y) / (right - left))
+            for x, y in self.value(RETURNS)
+        ]
 
     def click(self, x, y):
         for kind in ("mousePressed", "mouseReleased"):
@@ -74,8 +119,7 @@ def browser(tmp_path):
 def test_the_page_shows_the_world_and_drives_and_spawns(world, browser):
     with running(world) as server:
         models = server.manager.world.models
-        browser.call("Page.navigate", url=server.clients.url(ROSBRIDGE, "http"))
-        wait_until(lambda: browser.value("document.getElementById('robot').value"), "the robot")
+        browser.open(server)
         assert browser.text("status") == "connected"
 
         browser.press("ArrowUp")
@@ -86,12 +130,67 @@ def test_the_page_shows_the_world_and_drives_and_spawns(world, browser):
         browser.press("ArrowUp", "keyUp")
 
         browser.press(" ")
-        wait_until(lambda: "paused" in browser.text("clock"), "the pause")
+        wait_until(lambda: "Paused" in browser.text("banner"), "the pause")
         assert server.manager.is_paused
 
         browser.value("document.getElementById('spawn').click()")
         browser.click(600, 250)
         wait_until(lambda: "robot_1" in models, "the new model")
         wait_until(lambda: browser.value("document.getElementById('robot').length") == 2, "both")
+        wait_until(lambda: browser.text("status") == "robot_1 is spawned", "the words")
         browser.press("Delete")
         wait_until(lambda: len(models) == 1, "a model to be deleted")
+        browser.press(" ")
+        wait_until(lambda: browser.text("banner") == "", "the end of the pause")
+
+
+def is_on_a_wall(point):
+    return any(abs(each - 5) < 0.15 for each in point)
+
+
+@pytest.mark.parametrize("transforms", ["", "static_tf: true"])
+def test_scans_are_drawn_where_the_robot_was(world, browser, transforms):
+    model = ROBOT.replace("update_rate: 20", f"update_rate: 20\n    {transforms}")
+    (world.parent / "robot.model.yaml").write_text(model)
+    with running(world) as server:
+        client = Client(server)
+        client.send("publish", topic="/cmd_vel", msg={"angular": {"z": 1.5}})
+        browser.open(server)
+        wait_until(browser.returns, "a scan")
+        for _ in range(20):
+            assert all(map(is_on_a_wall, browser.returns()))
+
+        client.call("/pause")
+        client.call("/move_model", name="robot", pose={"x": -3.0, "y": -3.0})
+        browser.returns()
+        assert all(map(is_on_a_wall, browser.returns()))
+
+
+def test_robots_have_names_and_that_of_the_keys_is_marked(world, browser):
+    with running(world, is_paused=True) as server:
+        client = Client(server)
+        client.call("/spawn_model", yaml_path="robot.model.yaml", name="two", pose={"x": 3.0})
+        browser.open(server)
+        wait_until(lambda: {"robot", "two"} <= browser.value("window.texts").keys(), "the names")
+        assert "bold" in browser.value("window.texts.robot")
+        assert "bold" not in browser.value("window.texts.two")
+
+        browser.click(*browser.pixel(3, 0))
+
+        wait_until(lambda: browser.text("status") == "the keys drive two", "the choice")
+        wait_until(lambda: "bold" in browser.value("window.texts.two"), "the mark")
+        assert "bold" not in browser.value("window.texts.robot")
+
+
+def test_a_spawn_into_a_wall_is_a_warning(world, browser):
+    with running(world, is_paused=True) as server:
+        browser.open(server)
+        browser.value("document.getElementById('spawn').click()")
+        browser.click(*browser.pixel(5, 1))
+
+        wait_until(lambda: "robot_1" in server.manager.world.models, "the model")
+        wait_until(
+            lambda: browser.value("document.getElementById('status').className") == "warning",
+            "the warning",
+        )
+        assert 'overlaps the layer "hall"' in browser.text("status")

@@ -84,6 +84,13 @@ def test_a_long_message_comes_in_fragments_and_is_sent_in_fragments(client):
     assert response["values"] == {"nodes": ["/flatland_server"]}
 
 
+def test_fragments_have_a_smallest_size(client):
+    client.subscribed("/scan", fragment_size=1).call("/step", steps=20)
+    first = client.receive_until(lambda each: each["op"] == "fragment")
+
+    assert len(first["data"]) == 200
+
+
 def test_a_throttle_lets_less_through(client):
     client.subscribed("/odometry/filtered", throttle_rate=60_000)
     client.subscribed("/twist", queue_length=3)

@@ -37,12 +37,15 @@ def encoded(message: Message, compression: str, fragment_size: int) -> Iterable[
 
 
 _fragment_numbers = itertools.count(1)
+_SMALLEST_FRAGMENT = 200
+"""Characters. The parts of smaller ones would keep the event loop busy for all clients."""
 
 
 def _fragments(text: str, size: int) -> Iterable[str]:
     """A text, in fragments if it is longer than a size."""
     if not size or len(text) <= size:
         return [text]
+    size = max(size, _SMALLEST_FRAGMENT)
     parts = [text[begin : begin + size] for begin in range(0, len(text), size)]
     name = str(next(_fragment_numbers))
     head = {"op": "fragment", "id": name, "total": len(parts)}

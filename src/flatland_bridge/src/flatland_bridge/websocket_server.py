@@ -44,6 +44,7 @@ _FILES = {
     "/": ("index.html", "text/html"),
     "/page.css": ("page.css", "text/css"),
     "/page.js": ("page.js", "text/javascript"),
+    "/poses.js": ("poses.js", "text/javascript"),
     "/view.js": ("view.js", "text/javascript"),
     "/rosbridge.js": ("rosbridge.js", "text/javascript"),
 }

@@ -7,6 +7,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+from soak.bridge_soak import soak_bridges
 from soak.random_sweeps import soak_sweeps
 from soak.soak import Soak
 
@@ -23,12 +24,14 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0, help="of the first round (default 0)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures to a file")
     parser.add_argument("--sweeps", action="store_true", help="disturb sweeps alone, no server")
+    parser.add_argument("--bridges", action="store_true", help="disturb bridges alone")
     options = parser.parse_args()
     for number in (signal.SIGINT, signal.SIGTERM):  # the processes that it has started end too
         signal.signal(number, lambda *_: sys.exit(130))
     with tempfile.TemporaryDirectory(prefix="flatland_soak_") as folder:
-        if options.sweeps:
-            figures = soak_sweeps(Path(folder), 60.0 * options.minutes, options.seed, _report)
+        if options.sweeps or options.bridges:
+            soak_part = soak_sweeps if options.sweeps else soak_bridges
+            figures = soak_part(Path(folder), 60.0 * options.minutes, options.seed, _report)
         else:
             soak = Soak(Path(folder), options.clients, options.seed)
             figures = soak.run(60.0 * options.minutes, _report)

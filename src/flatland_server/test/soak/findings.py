@@ -1,8 +1,9 @@
 """Findings of a soak: counts of actions, and violations of requirements."""
 
 import contextlib
+import time
 from collections import Counter
-from typing import Any, Dict, Iterator, List
+from typing import Any, Callable, Dict, Iterator, List
 from typing import Counter as CounterType
 
 MOST = 50  # violations that are kept
@@ -36,6 +37,33 @@ class Findings:
         """Adds other findings, as given by `to_dict`."""
         self.counts.update(values["counts"])
         self.violations = [*self.violations, *values["violations"]][:MOST]
+
+    def run_rounds(
+        self,
+        seconds: float,
+        seed: int,
+        run_round: Callable[[int], None],
+        report: Callable[[str], None],
+    ) -> Dict[str, Any]:
+        """Runs rounds for a time [s], one at least. Returns figures as a dict for JSON.
+
+        Args:
+            seconds: the time.
+            seed: of the first round.
+            run_round: runs a round of a seed.
+            report: prints a line.
+        """
+        begin, rounds, reported = time.monotonic(), 0, 0
+        while rounds == 0 or time.monotonic() < begin + seconds:
+            run_round(seed + rounds)
+            rounds += 1
+            minutes = (time.monotonic() - begin) / 60.0
+            report(f"{minutes:6.1f} min  round {rounds}  {dict(self.counts)}")
+            for violation in self.violations[reported:]:
+                report(f"         {violation}")
+            reported = len(self.violations)
+        total = round(time.monotonic() - begin, 1)
+        return {"seconds": total, "rounds": rounds, "seed": seed, **self.to_dict()}
 
     def to_dict(self) -> Dict[str, Any]:
         return {"counts": dict(sorted(self.counts.items())), "violations": self.violations}

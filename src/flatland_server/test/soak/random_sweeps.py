@@ -333,15 +333,10 @@ def soak_sweeps(
     folder: Path, seconds: float, seed: int, report: Callable[[str], None]
 ) -> Dict[str, Any]:
     """Disturbs sweeps for a time [s], in one round at least. Returns figures as a dict for JSON."""
-    findings, begin, rounds, reported = Findings(), time.monotonic(), 0, 0
-    while rounds == 0 or time.monotonic() < begin + seconds:
+    findings = Findings()
+
+    def run_round(seed: int) -> None:
         with findings.part("random sweeps"):
-            disturb_sweeps(folder / str(seed + rounds), seed + rounds, 10, findings)
-        rounds += 1
-        minutes = (time.monotonic() - begin) / 60.0
-        report(f"{minutes:6.1f} min  round {rounds}  {dict(findings.counts)}")
-        for violation in findings.violations[reported:]:
-            report(f"         {violation}")
-        reported = len(findings.violations)
-    total = round(time.monotonic() - begin, 1)
-    return {"seconds": total, "rounds": rounds, "seed": seed, **findings.to_dict()}
+            disturb_sweeps(folder / str(seed), seed, 10, findings)
+
+    return findings.run_rounds(seconds, seed, run_round, report)

@@ -8,13 +8,15 @@ from typing import Any, Callable, Dict, List
 
 from running_server import Master, Server
 from soak import faults, restarts
+from soak.bridge_misdeeds import MISDEEDS
+from soak.bridge_soak import STARTS, BridgeSoak
 from soak.findings import Findings
 from soak.in_process import run_in_process
 from soak.random_calls import call_at_random
 from soak.random_saves import save_at_random
 from soak.random_sweeps import disturb_sweeps
 from soak.ros_messages import publish_at_random
-from soak.usage import Usage
+from soak.usage import MOST_GROWTH, Usage
 from waiting import wait_until
 
 CALLS, SAVES, MESSAGES, SIGNALS, KILLS = 100, 100, 50, 2, 3
@@ -22,8 +24,7 @@ CALLS, SAVES, MESSAGES, SIGNALS, KILLS = 100, 100, 50, 2, 3
 REST = 200
 """Equal readings in a row of files and threads, 5 ms apart, for the server to be at rest."""
 WARM_UP = 0.2  # of the time
-MOST_GROWTH = 1.05
-"""Largest ratio of the memory at the end to that after the warm-up."""
+BRIDGE_MISDEEDS = 3  # in a round, to each kind of bridge
 
 
 class Soak:
@@ -68,6 +69,8 @@ class Soak:
                 for violation in self.findings.violations[reported:]:
                     report(f"         {violation}")
                 reported = len(self.findings.violations)
+            for bridge in self._bridges:
+                bridge.check_growth(self.findings)
         return self.figures(time.monotonic() - begin, warm_rounds)
 
     def _start(self, processes: contextlib.ExitStack) -> None:
@@ -77,6 +80,9 @@ class Soak:
         processes.callback(self._other_master.kill)
         self._server = Server(self._master, self._folder / "server.log")
         processes.callback(self._server.kill)
+        self._bridges = [BridgeSoak(kind, self._folder / kind) for kind in STARTS]
+        for bridge in self._bridges:
+            processes.callback(bridge.close)
 
     def _run_round(self) -> None:
         seed = self._seed + self.rounds
@@ -102,6 +108,7 @@ class Soak:
                 self._other_master, self._folder, findings
             ),
             "full disks": lambda: restarts.full_disk(self._other_master, findings),
+            "bridges": lambda: self._disturb_bridges(seed, rng),
             "signals": lambda: restarts.signals_at_random(
                 self._other_master, self._folder, rng, SIGNALS, findings
             ),
@@ -124,6 +131,10 @@ class Soak:
 
         wait_until(is_at_rest, "the server to be at rest")
         return usages[-1]
+
+    def _disturb_bridges(self, seed: int, rng: random.Random) -> None:
+        for bridge in self._bridges:
+            bridge.run_round(seed, rng.sample(MISDEEDS, BRIDGE_MISDEEDS), self.findings)
 
     def _check_usage(self) -> None:
         """Records the server's resources: no more files and threads than at the start."""

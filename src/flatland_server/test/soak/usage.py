@@ -1,8 +1,12 @@
 """Resources of a process: memory, open files, threads."""
 
 import os
+import time
 from pathlib import Path
 from typing import NamedTuple
+
+MOST_GROWTH = 1.05
+"""Largest ratio of the memory at the end to that after the warm-up."""
 
 
 class Usage(NamedTuple):
@@ -21,6 +25,16 @@ class Usage(NamedTuple):
         values = dict(line.split(":", 1) for line in status.splitlines())
         files = len(os.listdir(f"/proc/{pid}/fd"))
         return cls(int(values["VmRSS"].split()[0]) / 1024, files, int(values["Threads"]))
+
+    @classmethod
+    def largest(cls, pid: int, seconds: float) -> "Usage":
+        """The most of each that a process has within a time [s]."""
+        end = time.monotonic() + seconds
+        usages = [cls.of(pid)]
+        while time.monotonic() < end:
+            usages.append(cls.of(pid))
+            time.sleep(0.005)
+        return cls(*map(max, zip(*usages)))
 
     def has_no_more_than(self, other: "Usage") -> bool:
         """True if there are at most as many open files and threads."""

@@ -1,7 +1,8 @@
 // The page: shows the world, and lets its user drive, pause, step, reset, spawn, move and delete.
 
+import {Poses, compose, seconds} from "./poses.js";
 import {Rosbridge} from "./rosbridge.js";
-import {View, compose} from "./view.js";
+import {View} from "./view.js";
 
 const NODE = "/flatland_server";
 const TWIST = "geometry_msgs/Twist";
@@ -10,6 +11,7 @@ const KEYS = {
   ArrowLeft: [0, 1], a: [0, 1], ArrowRight: [0, -1], d: [0, -1],
 };
 const SPEED = {linear: 0.8, angular: 1.2};  // m/s, rad/s
+const MOST_WAITING = 100;  // scans
 
 const get = (id) => document.getElementById(id);
 const view = new View(get("view"));
@@ -17,48 +19,72 @@ const models = new Map();  // flatland_msgs/ModelInfo by name
 const frames = new Map();  // by name: {parent, pose}, as /tf has them
 const bodyOf = new Map();  // "model/body" by frame
 const pressed = new Set();
+const scanTopics = new Set();  // subscribed to
+const lost = new Set();  // frames of scans of which the body is not known
+let poses = new Poses();
+let waiting = [];  // {topic, message}: scans of which the poses are still to come
 let isPaused = false, isSpawning = false, drag = null, isDirty = true;
 
 const server = new Rosbridge(
   `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/${location.search}`,
-  (isOpen) => { say(isOpen ? "connected" : "not connected; trying again …", !isOpen); if (isOpen) begin(); },
-  (error) => say(error, true),
+  (isOpen) => isOpen ? begin() : end(),
+  (error) => say(error, "error"),
 );
 
-function say(text, isError = false) {
+/** kind: "error", "warning" or "". */
+function say(text, kind = "") {
   get("status").textContent = text;
-  get("status").classList.toggle("error", isError);
+  get("status").className = kind;
 }
 
-function call(service, args) {
+/** Shows a text above the world until it is over. */
+function announce(text) {
+  get("banner").textContent = text;
+}
+
+/** Calls a service, and says what it has done, or its warning. */
+function call(service, args, done) {
   return server.call(service, args).then((values) => {
-    say(values.message || `${service} is done`);
+    say(values.message || done, values.message ? "warning" : "");
     return values;
-  }).catch((error) => say(error.message, true));
+  }).catch((error) => say(error.message, "error"));
 }
 
 function begin() {
+  say("connected");
+  poses = new Poses();
+  scanTopics.clear();
   server.subscribe(`${NODE}/debug/walls`, (walls) => { view.setWalls(walls); isDirty = true; });
   server.subscribe(`${NODE}/models`, ({models}) => setModels(models));
-  server.subscribe(`${NODE}/model_states`, (states) => setStates(states.models), {queue_length: 10});
+  server.subscribe(`${NODE}/model_states`, setStates, {queue_length: 10});
   server.subscribe(`${NODE}/debug/models`, ({markers}) => { view.setShapes(markers); isDirty = true; },
     {throttle_rate: 500});
   server.subscribe(`${NODE}/state`, setState);
-  server.subscribe("/tf", ({transforms}) => transforms.forEach(setFrame), {throttle_rate: 50, queue_length: 1});
+  server.subscribe("/tf_static", setFrames, {queue_length: 100});
   subscribeScans();
+}
+
+function end() {
+  announce("Not connected to the server. Trying again …");
+  say("");
 }
 
 function setModels(list) {
   models.clear();
   bodyOf.clear();
+  lost.clear();
   for (const model of list) {
     models.set(model.name, model);
     for (const body of model.bodies) bodyOf.set(body.frame_id, `${model.name}/${body.name}`);
   }
-  for (const body of view.poses.keys()) {
-    if (!models.has(body.split("/")[0])) view.poses.delete(body);
+  for (const body of poses.now.keys()) {
+    if (!models.has(body.split("/")[0])) poses.now.delete(body);
   }
   const robots = list.filter((model) => driveTopic(model));
+  view.robots = robots.map(({name, bodies: [base]}) => ({
+    name, body: `${name}/${base.name}`,
+    radius: Math.hypot(Math.max(-base.min_x, base.max_x), Math.max(-base.min_y, base.max_y)),
+  }));
   fill(get("robot"), robots.map(({name}) => [name, name]));
   fill(get("model"), [...new Set(list.map((model) => model.yaml_path).filter(Boolean))]
     .map((path) => [path, path.split("/").pop()]));
@@ -79,58 +105,83 @@ function choose(name) {
   isDirty = true;
 }
 
+function chooseByHand(name) {
+  choose(name);
+  say(driveTopic(models.get(name)) ? `the keys drive ${name}` : `${name} has no drive`);
+}
+
 const topicsOf = (model) => model.plugins.flatMap((plugin) => plugin.topics);
 const driveTopic = (model) =>
   topicsOf(model).find(({type, is_published}) => type === TWIST && !is_published)?.name;
 
-function setStates(states) {
-  for (const {name, bodies} of states) {
-    const model = models.get(name);
-    model?.bodies.forEach((body, i) => view.poses.set(`${name}/${body.name}`, bodies[i]));
-  }
+function setStates({stamp, models: states}) {
+  const moved = states.flatMap(({name, bodies}) =>
+    (models.get(name)?.bodies ?? []).map((body, i) => [`${name}/${body.name}`, bodies[i]]));
+  if (seconds(stamp) < poses.time) { view.scans.clear(); waiting = []; }  // a reset
+  poses.add(seconds(stamp), moved);
+  view.poses = poses.now;
+  placeScans();
   isDirty = true;
 }
 
 function setState({paused, stamp, real_time_factor: factor}) {
   isPaused = paused;
+  announce(paused ? "Paused: space goes on, N makes a step" : "");
   get("pause").textContent = paused ? "Run" : "Pause";
   get("pause").classList.toggle("on", paused);
   get("step").disabled = !paused;
-  const seconds = (stamp.secs + stamp.nsecs / 1e9).toFixed(1);
-  get("clock").textContent = paused ? `${seconds} s, paused` : `${seconds} s, × ${factor.toFixed(2)}`;
+  const time = `${seconds(stamp).toFixed(1)} s`;
+  get("clock").textContent = paused ? `${time}, paused` : `${time}, × ${factor.toFixed(2)}`;
 }
 
 // Scans
 
-function setFrame({header, child_frame_id: child, transform: {translation, rotation: q}}) {
-  const theta = Math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z));
-  frames.set(child, {parent: header.frame_id, pose: {x: translation.x, y: translation.y, theta}});
+function setFrames({transforms}) {
+  for (const {header, child_frame_id: child, transform: {translation, rotation: q}} of transforms) {
+    const theta = Math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z));
+    frames.set(child, {parent: header.frame_id, pose: {x: translation.x, y: translation.y, theta}});
+  }
 }
 
-/** Where a frame is: from the true pose of its body, by the transforms between the two. */
-function poseOf(frame, depth = 0) {
-  const body = view.poses.get(bodyOf.get(frame));
-  if (body || depth > 10) return body;
-  const {parent, pose} = frames.get(frame) ?? {};
-  const base = parent && poseOf(parent, depth + 1);
-  return base && compose(base, pose);
+/** The body that a frame is fixed to, and the frame's pose on it; undefined if it is not known. */
+function mountOf(frame, pose = {x: 0, y: 0, theta: 0}, depth = 0) {
+  const body = bodyOf.get(frame), link = frames.get(frame);
+  if (body) return {body, pose};
+  return link && depth < 10 ? mountOf(link.parent, compose(link.pose, pose), depth + 1) : undefined;
+}
+
+/** Places the scans whose time has come; subscribes to /tf while a frame of one is unknown. */
+function placeScans() {
+  const isDue = ({message}) => seconds(message.header.stamp) <= poses.time;
+  for (const {topic, message} of waiting.filter(isDue)) {
+    const {frame_id: frame, stamp} = message.header, mount = mountOf(frame);
+    if (mount) lost.delete(frame); else lost.add(frame);
+    const base = mount && poses.at(mount.body, seconds(stamp));
+    if (base) view.scans.set(topic, {message, pose: compose(base, mount.pose)});
+  }
+  waiting = waiting.filter((scan) => !isDue(scan)).slice(-MOST_WAITING);
+  const isFollowing = server.receivers.has("/tf");
+  if (lost.size && !isFollowing) {
+    server.subscribe("/tf", setFrames, {queue_length: 100});
+  } else if (!lost.size && isFollowing) {
+    server.unsubscribe("/tf");
+  }
 }
 
 function subscribeScans() {
   const wanted = !get("scans").checked ? [] : [...models.values()].flatMap(topicsOf)
     .filter(({type, is_published}) => type === "sensor_msgs/LaserScan" && is_published)
     .map(({name}) => name);
-  for (const topic of view.scans.keys()) {
-    if (!wanted.includes(topic)) { server.unsubscribe(topic); view.scans.delete(topic); }
+  for (const topic of [...scanTopics].filter((each) => !wanted.includes(each))) {
+    server.unsubscribe(topic);
+    scanTopics.delete(topic);
+    view.scans.delete(topic);
   }
-  for (const topic of wanted) {
-    if (!server.receivers.has(topic)) {
-      server.subscribe(topic, (message) => {
-        view.scans.set(topic, {message, pose: () => poseOf(message.header.frame_id)});
-        isDirty = true;
-      });
-    }
+  for (const topic of wanted.filter((each) => !scanTopics.has(each))) {
+    server.subscribe(topic, (message) => waiting.push({topic, message}));
+    scanTopics.add(topic);
   }
+  waiting = waiting.filter(({topic}) => scanTopics.has(topic));
   isDirty = true;
 }
 
@@ -152,7 +203,7 @@ addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.metaKey || event.target instanceof HTMLSelectElement) return;
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
   if (KEYS[key]) pressed.add(key);
-  else if (key === " ") call("/toggle_pause");
+  else if (key === " ") pauseOrRun();
   else if (key === "n") stepOnce();
   else if (key === "Delete") remove();
   else if (key === "Escape") setSpawning(false);
@@ -164,8 +215,13 @@ addEventListener("blur", () => pressed.clear());
 
 // Buttons
 
-const stepOnce = () => isPaused && call("/step_world");
-const remove = () => view.chosen && call("/delete_model", {name: view.chosen});
+const pauseOrRun = () => isPaused ? call("/resume", {}, "running") : call("/pause", {}, "paused");
+const stepOnce = () => isPaused && call("/step_world", {}, "a step of 0.1 s");
+
+function remove() {
+  const name = view.chosen;
+  if (name) call("/delete_model", {name}, `${name} is deleted`);
+}
 
 function setSpawning(value) {
   isSpawning = value;
@@ -175,17 +231,21 @@ function setSpawning(value) {
 }
 
 const buttons = {
-  pause: () => call("/toggle_pause"),
+  pause: pauseOrRun,
   step: stepOnce,
-  reset: () => call("/reset"),
+  reset: () => call("/reset", {}, "the world is as it was loaded"),
   spawn: () => setSpawning(!isSpawning),
   delete: remove,
 };
 for (const [id, action] of Object.entries(buttons)) {
   get(id).onclick = () => { action(); get(id).blur(); };  // space is for the pause again
 }
-get("rate").onchange = () => { call("/change_rate", {rate: Number(get("rate").value)}); get("rate").blur(); };
-get("robot").onchange = () => { choose(get("robot").value); get("robot").blur(); };
+get("rate").onchange = () => {
+  const rate = Number(get("rate").value);
+  call("/change_rate", {rate}, `${rate} s are simulated in a second`);
+  get("rate").blur();
+};
+get("robot").onchange = () => { chooseByHand(get("robot").value); get("robot").blur(); };
 get("scans").onchange = subscribeScans;
 
 function spawn({from, to}) {
@@ -195,7 +255,8 @@ function spawn({from, to}) {
   const name = `${stem}_${number}`, theta = Math.atan2(to.y - from.y, to.x - from.x);
   const isTurned = Math.hypot(to.x - from.x, to.y - from.y) * view.scale > 5;
   const pose = {...from, theta: isTurned ? theta : 0};
-  call("/spawn_model", {yaml_path: path, name, ns: name, pose}).then((done) => done && choose(name));
+  call("/spawn_model", {yaml_path: path, name, ns: name, pose}, `${name} is spawned`)
+    .then((done) => done && choose(name));
   setSpawning(false);
 }
 
@@ -223,7 +284,7 @@ get("view").onpointerdown = (event) => {
     return;
   }
   const name = modelAt(at);
-  if (name) choose(name);
+  if (name) chooseByHand(name);
   drag = {name, at, hasMoved: false};
 };
 get("view").onpointermove = (event) => {
@@ -239,13 +300,14 @@ get("view").onpointermove = (event) => {
   } else {
     view.center.x += drag.at.x - at.x;
     view.center.y += drag.at.y - at.y;
+    view.isMoved = true;
     get("follow").checked = false;
   }
   isDirty = true;
 };
 get("view").onpointerup = () => {
   if (drag?.arrow) spawn(drag.arrow);
-  else if (drag?.hasMoved) call("/move_model", {name: drag.name, pose: drag.to});
+  else if (drag?.hasMoved) call("/move_model", {name: drag.name, pose: drag.to}, `${drag.name} is moved`);
   drag = view.arrow = null;
   isDirty = true;
 };

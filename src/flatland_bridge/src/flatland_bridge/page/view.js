@@ -1,18 +1,8 @@
-// Draws the world: walls, models and scans. Lengths are in metres, y points up.
+// Draws the world: walls, models, scans and the names of robots. Lengths are in metres, y points up.
 
-const AREA = "rgba(31, 111, 235, 0.10)", RETURN = "#d92d20", CHOSEN = "#1f6feb";
+const AREA = "rgba(31, 111, 235, 0.10)", RETURN = "#d92d20", CHOSEN = "#1f6feb", NAME = "#1d2330";
 
 const css = ({r, g, b, a}) => `rgba(${r * 255 | 0}, ${g * 255 | 0}, ${b * 255 | 0}, ${a})`;
-
-/** A pose in a frame, given in that of the world. */
-export function compose(frame, pose) {
-  const cos = Math.cos(frame.theta), sin = Math.sin(frame.theta);
-  return {
-    x: frame.x + cos * pose.x - sin * pose.y,
-    y: frame.y + sin * pose.x + cos * pose.y,
-    theta: frame.theta + pose.theta,
-  };
-}
 
 export class View {
   constructor(canvas) {
@@ -20,11 +10,13 @@ export class View {
     this.context = canvas.getContext("2d");
     this.center = {x: 0, y: 0};
     this.scale = 20;  // pixels per metre
-    this.isFitted = false;
+    this.bounds = null;  // of the walls, all of which are shown until the view is moved
+    this.isMoved = false;
     this.layers = [];  // {path, color}
     this.shapes = new Map();  // by body, "model/body": {fill, outline, color}
     this.poses = new Map();  // of bodies, as the keys of shapes
-    this.scans = new Map();  // by topic: {pose(), message}
+    this.scans = new Map();  // by topic: {pose, message}
+    this.robots = [];  // {name, body, radius}: with names beside them
     this.chosen = null;  // the name of a model
     this.arrow = null;  // {from, to}: a model that is about to be spawned
     new ResizeObserver(() => this.resize()).observe(canvas);
@@ -35,6 +27,7 @@ export class View {
     this.canvas.width = this.canvas.clientWidth * ratio;
     this.canvas.height = this.canvas.clientHeight * ratio;
     this.ratio = ratio;
+    this.fit();
     this.draw();
   }
 
@@ -51,14 +44,16 @@ export class View {
       }
       return {path, color: css(color)};
     });
-    if (minX <= maxX && !this.isFitted) this.fit(minX, minY, maxX, maxY);
+    this.bounds = minX <= maxX ? [minX, minY, maxX, maxY] : null;
+    this.fit();
   }
 
-  fit(minX, minY, maxX, maxY) {
+  fit() {
+    if (!this.bounds || this.isMoved) return;
+    const [minX, minY, maxX, maxY] = this.bounds;
     const {clientWidth: width, clientHeight: height} = this.canvas;
     this.center = {x: (minX + maxX) / 2, y: (minY + maxY) / 2};
     this.scale = 0.95 * Math.min(width / Math.max(maxX - minX, 1), height / Math.max(maxY - minY, 1));
-    this.isFitted = true;
   }
 
   /** markers: of visualization_msgs/MarkerArray; the shapes of bodies in their own frames. */
@@ -92,6 +87,7 @@ export class View {
     const after = this.toWorld(event);
     this.center.x += before.x - after.x;
     this.center.y += before.y - after.y;
+    this.isMoved = true;
   }
 
   draw() {
@@ -115,6 +111,7 @@ export class View {
       const pose = this.poses.get(body);
       if (pose) this.drawShape(shape, pose, pixel, body.startsWith(`${this.chosen}/`));
     }
+    for (const robot of this.robots) this.drawName(robot, pixel);
     if (this.arrow) {
       c.strokeStyle = CHOSEN;
       c.lineWidth = 2 * pixel;
@@ -139,10 +136,32 @@ export class View {
     c.restore();
   }
 
+  /** Writes a robot's name beside it; the chosen one has a ring. */
+  drawName({name, body, radius}, pixel) {
+    const pose = this.poses.get(body), c = this.context, isChosen = name === this.chosen;
+    if (!pose) return;
+    const reach = radius + 6 * pixel;
+    c.save();
+    c.translate(pose.x, pose.y);
+    c.strokeStyle = CHOSEN;
+    c.lineWidth = 2 * pixel;
+    c.beginPath();
+    c.arc(0, 0, reach, 0, 2 * Math.PI);
+    if (isChosen) c.stroke();
+    c.scale(pixel, -pixel);
+    c.font = `${isChosen ? "bold " : ""}13px system-ui, sans-serif`;
+    c.strokeStyle = "#fff";  // behind the letters, on walls
+    c.lineWidth = 3;
+    c.fillStyle = isChosen ? CHOSEN : NAME;
+    const x = reach / pixel + 4;
+    c.strokeText(name, x, 4);
+    c.fillText(name, x, 4);
+    c.restore();
+  }
+
   /** Fills what a scan has seen, and returns the ends of its beams: x, y, and whether it hit. */
-  drawArea({pose: find, message}) {
-    const pose = find(), c = this.context;
-    if (!pose) return [];
+  drawArea({pose, message}) {
+    const c = this.context;
     const {angle_min: begin, angle_increment: increment, range_max: max, ranges} = message;
     const ends = ranges.map((range, i) => {
       const isReturn = range !== null && range <= max;

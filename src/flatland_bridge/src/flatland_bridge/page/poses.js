@@ -1,0 +1,48 @@
+// Where bodies are and were: a scan is drawn at the pose that its robot had at the scan's stamp.
+
+const MOST = 50;  // moments: one and a half seconds of real time
+
+/** A pose in a frame, given in that of the world. */
+export function compose(frame, pose) {
+  const cos = Math.cos(frame.theta), sin = Math.sin(frame.theta);
+  return {
+    x: frame.x + cos * pose.x - sin * pose.y,
+    y: frame.y + sin * pose.x + cos * pose.y,
+    theta: frame.theta + pose.theta,
+  };
+}
+
+export const seconds = ({secs, nsecs}) => secs + nsecs / 1e9;
+
+export class Poses {
+  constructor() {
+    this.now = new Map();  // by body, "model/body"
+    this.moments = [];  // {time, poses}: now, and before
+  }
+
+  /** Adds the poses of the bodies that have moved. After going back in time, nothing is known of before. */
+  add(time, moved) {
+    this.now = new Map([...this.now, ...moved]);
+    if (time < this.time) this.moments = [];
+    else if (time === this.time) this.moments.pop();  // moved by hand, during a pause
+    this.moments.push({time, poses: this.now});
+    if (this.moments.length > MOST) this.moments.shift();
+  }
+
+  get time() { return this.moments.at(-1)?.time; }
+
+  /** The pose of a body at a time up to the present one; undefined if it is not known. */
+  at(body, time) {
+    const next = this.moments.findIndex((each) => each.time >= time);
+    const after = this.moments[next], before = this.moments[next - 1] ?? after;
+    const from = before?.poses.get(body), to = after?.poses.get(body);
+    if (!from || !to || before.time > time) return undefined;
+    const part = after.time > before.time ? (time - before.time) / (after.time - before.time) : 1;
+    const turn = Math.atan2(Math.sin(to.theta - from.theta), Math.cos(to.theta - from.theta));
+    return {
+      x: from.x + part * (to.x - from.x),
+      y: from.y + part * (to.y - from.y),
+      theta: from.theta + part * turn,
+    };
+  }
+}
