@@ -192,7 +192,10 @@ def test_a_master_that_is_stopped_stops_no_client(master, bridge):
 
 @pytest.mark.parametrize(
     ("parameter", "expected"),
-    [("_token:=''", "token: expected one character"), ("_client_memory:=0", "expected a number above 0")],
+    [
+        ("_token:=''", "token: expected one character"),
+        ("_client_memory:=0", "expected a number above 0"),
+    ],
 )
 def test_a_wrong_parameter_is_refused(master, parameter, expected):
     name = f"__name:=bridge{len(expected)}"  # parameters stay

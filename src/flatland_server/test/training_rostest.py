@@ -139,7 +139,7 @@ class Training(RecordingCase):
         wait_until(lambda: any(m.msg.startswith(warning) for m in self.log.messages), warning)
 
     def test_a_hundred_episodes_of_an_environment_that_steps_by_the_topic(self):
-        """The calls of Arena-Rosnav's environments: discs from texts, and a message for each scan."""
+        """The calls of Arena-Rosnav's environments: discs from texts, a message for each scan."""
         self.assertEqual(StepWorldMessage._md5sum, "db98664cbe4523fcf94ecdf73a95fa46")
         step_world = self.step_world()
         discs = [Model(DISC, f"disc_{index}", "", Pose2D(index, -2.0, 0.0)) for index in range(3)]

@@ -133,7 +133,9 @@ class FoxgloveSession:
 
     def status(self, text: str) -> Data:
         """A message that tells the client of an error."""
-        return str(orjson.dumps({"op": "status", "level": _ERROR, "message": plain_text(text)}), "utf-8")
+        return str(
+            orjson.dumps({"op": "status", "level": _ERROR, "message": plain_text(text)}), "utf-8"
+        )
 
     def close(self) -> None:
         """Ends all that the client has begun."""

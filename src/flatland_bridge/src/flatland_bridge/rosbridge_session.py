@@ -134,7 +134,7 @@ class RosbridgeSession:
 
     def status(self, text: str) -> Data:
         """A message that tells the client of an error."""
-        (data,) = encoded({"op": "status", "level": "error", "msg": text}, "none", None)
+        (data,) = encoded({"op": "status", "level": "error", "msg": text}, "none", 0)
         return data
 
     def close(self) -> None:

@@ -74,7 +74,7 @@ def test_a_value_out_of_bounds_is_refused_at_its_line(files, plugin, keys, messa
     assert "\n" not in refusal
 
 
-@pytest.mark.parametrize("key, ours", [("flipped", "upside_down"), ("ignore_bodies", "layers")])
+@pytest.mark.parametrize(("key", "ours"), [("flipped", "upside_down"), ("ignore_bodies", "layers")])
 def test_a_key_of_a_fork_is_refused_with_the_key_that_is_meant(files, key, ours):
     entry = {**yaml.safe_load(f"{{{ENTRIES['Laser']}}}"), key: True}
 

@@ -33,7 +33,7 @@ def kept(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name, found",
+    ("name", "found"),
     [
         ("box.yaml", "worlds/box.yaml"),
         ("./box.yaml", "worlds/box.yaml"),

@@ -25,9 +25,9 @@ def refusal(files, *words):
 def test_an_unknown_argument_is_named_with_the_nearest_and_all_known_ones(started):
     assert refusal([SERVER], *started, "world_path:=/a.yaml", "udpate_rate:=inf") == (
         'server.launch has no argument "udpate_rate" (did you mean "update_rate"?); it has: '
-        "world_path, update_rate, step_size, control_period, train_mode, show_viz, viz_pub_rate, use_rviz, "
-        "history, command_age, models, state_folder, seed, simplify_map, no_return, static_tf, "
-        "realtime_priority, map_to_odom"
+        "world_path, update_rate, step_size, control_period, train_mode, show_viz, viz_pub_rate, "
+        "use_rviz, history, command_age, models, state_folder, seed, simplify_map, no_return, "
+        "static_tf, realtime_priority, map_to_odom"
     )
 
 

@@ -1,6 +1,7 @@
 """Warnings of other nodes that place the odometry frames which the server places."""
 
 from types import SimpleNamespace
+from typing import ClassVar
 
 import pytest
 import rospy
@@ -17,7 +18,7 @@ BESIDE_AMCL = [["/tf", ["/server", "/amcl"]], ["/scan", ["/server"]]]
 class Subscriber:
     """A fake of rospy's: `open` has the callbacks by topic."""
 
-    open = {}
+    open: ClassVar = {}
 
     def __init__(self, topic, _type, callback):
         self._topic = topic

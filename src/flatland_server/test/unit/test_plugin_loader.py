@@ -149,7 +149,7 @@ def test_a_known_name_in_an_unknown_package_is_unknown(packages):
 
 
 @pytest.mark.parametrize(
-    "type, replacement",
+    ("type", "replacement"),
     [
         ("RandomGates", ""),
         ("RandomWandering", ", or use a Crowd whose pedestrians have several goals"),

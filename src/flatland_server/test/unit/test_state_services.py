@@ -78,7 +78,9 @@ def test_a_control_period_between_two_steps_is_refused_at_the_start(serve):
         serve(0.03, 0.1)
 
 
-@pytest.mark.parametrize("step_size, advance", [(0.005, 0.1), (0.1, 0.1), (0.2, 0.2), (0.03, 0.03)])
+@pytest.mark.parametrize(
+    ("step_size", "advance"), [(0.005, 0.1), (0.1, 0.1), (0.2, 0.2), (0.03, 0.03)]
+)
 def test_step_world_makes_one_step_where_a_tenth_of_a_second_is_none(serve, step_size, advance):
     manager, actions = serve(step_size)
     manager.pause()

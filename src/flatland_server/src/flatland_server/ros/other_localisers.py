@@ -15,7 +15,7 @@ logger = logging.getLogger(__name__)
 
 _TOPICS = ("/tf", "/tf_static")
 _LIMIT = 60.0
-"""Real time for which the transforms of a node are looked at: a localiser starts with a scan [s]."""
+"""Real time for which transforms of a node are looked at: a localiser starts with a scan [s]."""
 
 
 class OtherLocalisers:

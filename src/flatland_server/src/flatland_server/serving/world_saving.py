@@ -161,7 +161,9 @@ class WorldSaving:
             manager.history.restart()  # its states are of the former file
 
     def _preprocessor(self) -> "closing[YamlPreprocessor]":
-        return closing(YamlPreprocessor(self._manager.transport.get_param, self._manager.world.seed))
+        return closing(
+            YamlPreprocessor(self._manager.transport.get_param, self._manager.world.seed)
+        )
 
 
 def _kinds(models: Iterable[ModelEntry]) -> List[Tuple[str, ...]]:
