@@ -199,6 +199,7 @@ def _type(read: Read) -> str:
         "get_string": "string",
         "get_topic": "topic",
         "get_frame": "frame",
+        "get_name": "name",
         "get_frame_id": "frame",
         "get_rate": "number > 0, or `inf`",
         "get_bool": "boolean",
