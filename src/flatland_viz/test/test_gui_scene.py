@@ -30,7 +30,7 @@ def note(goal, robot):
     plan = Path(header=goal.header, poses=[PoseStamped(), PoseStamped()])
     plan.poses[0].pose.position.x, plan.poses[1].pose.position.x = -1.0, 1.0
     for pose in plan.poses:
-        pose.pose.position.y, pose.pose.orientation.w = 1.0, 1.0
+        pose.pose.position.y, pose.pose.orientation.w = goal.pose.position.y + 1.0, 1.0
     plans[robot].publish(plan)
 plans = {}
 for robot in ("/r2", "/r10"):
@@ -160,13 +160,13 @@ def test_goals_go_to_the_selected_robot(window):
 
     before = toolbar()
     subscriber = window.ros.start("/usr/bin/python3", "-c", GOALS)
-    for robot, at in (("r2", (0.0, -1.5)), ("r10", (-3.0, 0.0))):
+    for robot, at, y in (("r2", (0.0, -1.5), -1.0), ("r10", (-3.0, 0.0), 0.0)):
         window.click(*at)
         window.waiting(lambda: (toolbar() != before).any(), "the tool")
         window.waiting(lambda r=robot: f"/{r}/scan" in window.subscriptions(), "the selection")
         window.screen.move(window.map.pixel(0.0, 1.0))
         window.screen.key("g")
-        window.drag(window.map.pixel(1.0, 0.0), window.map.pixel(2.0, 0.0))
+        window.drag(window.map.pixel(1.0, y), window.map.pixel(2.0, y))
         goal = f"/{robot} goes to x: "
         window.waiting(lambda goal=goal: goal in window.ros.log(subscriber), "its goal")
     # The last plan and goal are drawn in the colour of their robot.
