@@ -141,8 +141,30 @@ def test_services_come_and_go_with_their_servers(master, start_server, start_bri
     server = start_server()
     wait_until(answers, "the services of a new server")
     server.kill()
-    start_server()
+    last = start_server()
     wait_until(answers, "the services of the next one")
+    viewer = Viewer(bridge)
+    last.process.terminate()
+    assert (
+        viewer.services["/pause"]["id"] in viewer.receive_text("unadvertiseServices")["serviceIds"]
+    )
+
+
+def test_an_advertised_topic_ends_with_its_last_client(bridge):
+    clients, other = [Client(bridge) for _ in range(2)], Client(bridge)
+
+    def is_there():
+        return "/new" in other.call("/rosapi/topics")["values"]["topics"]
+
+    for client in clients:
+        client.send("advertise", topic="/new", type="std_msgs/Bool")
+        client.call("/rosapi/topics")
+    wait_until(is_there, "the topic")
+    clients[0].send("unadvertise", topic="/new")
+    clients[0].call("/rosapi/topics")
+    assert is_there()
+    clients[1].socket.close()
+    wait_until(lambda: not is_there(), "the topic to end")
 
 
 def test_a_server_that_is_stopped_does_not_delay_the_node(start_server, start_bridge):

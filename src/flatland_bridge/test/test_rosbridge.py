@@ -84,6 +84,14 @@ def test_a_long_message_comes_in_fragments_and_is_sent_in_fragments(client):
     assert response["values"] == {"nodes": ["/flatland_server"]}
 
 
+def test_parts_of_two_messages_of_one_id_are_told_apart_by_their_number(client):
+    client.send("fragment", id="f", num=4, total=5, data="x")
+    for number, data in enumerate(('{"op": "call_service", ', '"service": "/rosapi/topics"}')):
+        client.send("fragment", id="f", num=number, total=2, data=data)
+
+    assert client.receive_until(lambda each: each["op"] == "service_response")["result"]
+
+
 def test_fragments_have_a_smallest_size(client):
     client.subscribed("/scan", fragment_size=1).call("/step", steps=20)
     first = client.receive_until(lambda each: each["op"] == "fragment")

@@ -21,9 +21,9 @@ STARTS: Dict[str, Callable[[ExitStack, Path, Path], Bridge]] = {
 }
 MOST_PEAK = 300.0
 """What clients may take of the memory for a moment [MB]: eight at their limits, decoded."""
-SLACK = {"serve": 8, "bridge": 60}
+SLACK = {"serve": 8, "bridge": 20}
 """Files and threads that each may have more than at its start: workers start when needed, and the
-node keeps a publisher, with its connections, for each topic that clients have published."""
+node keeps a publisher for each topic of others that clients have published on."""
 AT_START = 2.0
 """How long files and threads are counted at first [s]: the node asks its master every 0.5 s."""
 MOST_KEPT = 150.0
