@@ -1,4 +1,4 @@
-"""What strangers send: each value is refused, or is one that its field can have."""
+"""Values of all kinds in fields of all kinds: each is refused, or in its field's range."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""What clients send, as plain values, and the fields of their messages: checked before use.
+"""Messages of clients as plain values, and their fields: checked before use.
 
 Plain values are those of JSON, and of CBOR also bytes and NumPy's arrays.
 """

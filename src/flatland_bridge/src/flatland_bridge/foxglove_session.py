@@ -54,7 +54,7 @@ _SESSION_ID = uuid.uuid4().hex
 
 
 class _Channel(NamedTuple):
-    """What a client publishes to."""
+    """A topic that a client publishes to."""
 
     topic: str
     message_type: Any

@@ -367,7 +367,7 @@ class _Connection(ServerConnection):  # type: ignore[misc]
 
 
 class _LoopErrors:
-    """What the event loop says of errors: a lack of open files once, as a line."""
+    """Logs errors of the event loop: a lack of open files once, as a line."""
 
     def __init__(self) -> None:
         self._has_warned = False

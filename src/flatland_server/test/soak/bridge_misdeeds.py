@@ -1,4 +1,4 @@
-"""What clients of a bridge may do to it: none of it is noticed by the others."""
+"""Misdeeds of a bridge's clients: other clients notice none of them."""
 
 import json
 import os

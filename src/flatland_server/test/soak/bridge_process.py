@@ -174,7 +174,7 @@ class Bridge:
 
     @property
     def log(self) -> str:
-        """What it has printed, and the ROS server beside it."""
+        """The output of the bridge, and of the ROS server beside it."""
         return self._log.read_text(errors="replace") + (self._server.log if self._server else "")
 
     def empty_log(self) -> None:

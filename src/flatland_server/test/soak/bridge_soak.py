@@ -20,14 +20,14 @@ STARTS: Dict[str, Callable[[ExitStack, Path, Path], Bridge]] = {
     "bridge": start_node,
 }
 MOST_PEAK = 300.0
-"""What clients may take of the memory for a moment [MB]: eight at their limits, decoded."""
+"""Memory of clients for a moment [MB]: eight at their limits, decoded."""
 SLACK = {"serve": 8, "bridge": 20}
 """Files and threads that each may have more than at its start: workers start when needed, and the
 node keeps a publisher for each topic of others that clients have published on."""
 AT_START = 2.0
-"""How long files and threads are counted at first [s]: the node asks its master every 0.5 s."""
+"""Time for which files and threads are counted at first [s]: the node asks every 0.5 s."""
 MOST_KEPT = 150.0
-"""What it may have more than at its start after a misdeed [MB]: freed, but not given back."""
+"""Memory beyond that of the start after a misdeed [MB]: freed, but not given back."""
 MOST_MEMORY = 3000.0  # MB: a bridge with more is killed, before the machine suffers
 
 

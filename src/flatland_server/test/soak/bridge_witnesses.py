@@ -25,7 +25,7 @@ QUESTION = "/get_model_markers"
 
 
 class Rosbridge:
-    """What an honest client of rosbridge sends and understands.
+    """Messages of an honest client of rosbridge.
 
     Args:
         compression: of its subscriptions: "none", "cbor" or "cbor-raw".
@@ -56,7 +56,7 @@ class Rosbridge:
 
 
 class Foxglove:
-    """What an honest client of Foxglove's protocol sends and understands."""
+    """Messages of an honest client of Foxglove's protocol."""
 
     name = "Foxglove"
 

@@ -282,7 +282,7 @@ def test_requests_and_responses_are_read_by_their_definitions():
 
 
 def test_the_name_of_a_type_imports_only_packages_with_messages(tmp_path, monkeypatch):
-    """Those of genpy, also in a package that catkin relays to its source, and no others."""
+    """Only types made by genpy are found, also in a package that catkin relays to its source."""
     generated = Path(messages.get("std_msgs/Bool").__module__.replace(".", "/") + ".py")
     generated = (
         (Path(genpy.__file__).parents[1] / generated).read_text().replace("std_msgs", "carts")
