@@ -10,7 +10,6 @@ import time
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 from urllib.parse import urlparse
 
-import genpy
 import rospy
 from rosgraph.network import (
     ROSHandshakeException,
@@ -21,6 +20,7 @@ from rosgraph.network import (
 from flatland_bridge.graph import BridgeError
 from flatland_server.exceptions import MessageError
 from flatland_server.messages import service_types
+from flatland_server.messages.message_types import deserialized
 from flatland_server.messages.wire_form import LENGTH, WRONG_VALUE, serialized
 from flatland_server.ros.rospy_patches.master_calls import Master
 
@@ -111,8 +111,8 @@ class RosServices:
                 answer = _read_block(connection)
             if not is_answered:
                 raise BridgeError(f"the service {name} fails: {answer.decode(errors='replace')}")
-            return kind.response().deserialize(answer)
-        except (*_NO_ANSWER, *WRONG_VALUE, genpy.DeserializationError) as error:
+            return deserialized(kind.response, answer)
+        except (*_NO_ANSWER, *WRONG_VALUE, MessageError) as error:
             raise BridgeError(f"the service {name} cannot be called: {error}") from None
 
     def _ask(self, uri: str, registrations: List[Registration]) -> None:
