@@ -117,21 +117,6 @@ void BindWorld(py::module_& m) {
             return PyBody{self.world, self.world->AddLayer(ToSegments(segments), layers, report)};
           },
           py::arg("segments"), py::arg("layers"), py::arg("progress") = py::none())
-      .def("remember_layers", [](PyWorld& self) { self.world->RememberLayers(); })
-      .def(
-          "take_layers",
-          [](PyWorld& self, const PyWorld& former, const PyWorld& equal) {
-            return self.world->TakeLayers(*former.world, *equal.world);
-          },
-          py::arg("former"), py::arg("equal"))
-      .def_property_readonly("layers",
-                             [](const PyWorld& self) {
-                               std::vector<PyBody> layers;
-                               for (const World::Body& body : self.world->GetLayers()) {
-                                 layers.push_back({self.world, body});
-                               }
-                               return layers;
-                             })
       .def(
           "add_body",
           [](PyWorld& self, const std::string& type, const Triple& pose, double linear_damping,

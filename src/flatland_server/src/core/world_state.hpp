@@ -6,7 +6,6 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -48,9 +47,8 @@ struct BodyState {
   float sleep_time = 0.0f;        // for how long it has been at rest [s]
   bool is_awake = true;
   std::vector<Material> materials;  // of its fixtures, or a single one if all are equal
-  // Not of layers:
-  std::vector<uint32_t> order;  // of its fixtures in Box2D's list: their indices
-  std::vector<b2AABB> boxes;    // around each of its fixtures, in this order, in the last step
+  std::vector<uint32_t> order;      // of its fixtures in Box2D's list: their indices
+  std::vector<b2AABB> boxes;        // around each of its fixtures, in this order, in the last step
   BodyRecord::Nearby nearby;
 
   template <class Archive>
@@ -116,10 +114,6 @@ struct WorldState {
   std::string Write(const World& world);
   /// Puts a world into this state.
   void Restore(World& world) const;
-  /// Throws std::invalid_argument unless the world has, in this state, the same materials, and the
-  /// bodies that stay at the same places.
-  void RequireSameStill(const World& world) const;
-
   float inverse_step = 0.0f;                 // one over the length of the last step [1/s]
   bool has_new_contacts = false;             // something was moved since
   std::vector<BodyState> bodies;             // each in the order in which they were added
@@ -128,7 +122,6 @@ struct WorldState {
   Mechanisms mechanisms;
   SlotMap<Crowd> crowds{"crowd"};
   SavedTree tree;
-  std::shared_ptr<const WallTree> walls;
 
  private:
   template <class Archive>

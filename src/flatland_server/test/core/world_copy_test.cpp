@@ -85,14 +85,6 @@ TEST_F(WorldCopyTest, GoesOnFromWhereItWas) {
   }
 }
 
-TEST_F(WorldCopyTest, OfALargeLayerIsForWorldsWithoutSteps) {
-  World world(10, 10, 1);
-  world.AddLayer({{{-3, -3}, {3, -3}}, {{3, -3}, {3, 3}}}, kAllLayers);
-  world.Copy();
-  world.Step(kStep);
-  EXPECT_THROW(world.Copy(), std::invalid_argument);
-}
-
 TEST_F(WorldCopyTest, TouchesOfABodyAreWithOtherSolidBodies) {
   const World::Body box = AddBox(world_, {0, 0, 0});
   const World::Body neighbour = AddBox(world_, {0.99, 0, 0});
