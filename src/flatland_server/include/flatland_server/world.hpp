@@ -240,6 +240,7 @@ class World : public Access, private b2DestructionListener {
   void RestoreState(std::string_view bytes);
 
  private:
+  friend class SharedWorld;
   friend class WorldBatch;
   friend struct WorldState;
 

@@ -1,9 +1,10 @@
 #pragma once
 
-/// Many environments, each a World with one robot or several, stepped in one call.
+/// Many environments, each with a state of the same world and one robot or several, stepped in one
+/// call.
 ///
-/// Environments do not influence each other, and make the same steps whatever their number, and on
-/// however many threads. They are copies of one world, with the map and the lidars' tables of that.
+/// Environments do not influence each other, and each makes the steps that a World of its own
+/// makes: whatever their number, and on however many threads.
 ///
 /// The functions are for one thread at a time. They write to arrays of the caller, and keep none.
 
@@ -47,6 +48,9 @@ struct BatchRows {
   bool* collided;            ///< true if the robot has touched something solid since the last row
   int64_t* steps;            ///< made since the beginning or the last reset; for each environment
 };
+
+class SharedState;
+class SharedWorld;
 
 class WorldBatch {
  public:
@@ -95,7 +99,7 @@ class WorldBatch {
   void MoveRobots(const bool* mask, const double* poses);
   /// Lets an environment begin as another world from now on, which is copied: one that has made no
   /// step, and in which the same handles name the same things, such as the same world with other
-  /// walls. Its row is not written.
+  /// walls. It is not shared with other environments. Its row is not written.
   void Replace(int row, const World& world);
   /// The state of an environment, as World::SaveState makes it of one that is equal.
   std::string SaveState(int row);
@@ -123,15 +127,19 @@ class WorldBatch {
 
  private:
   struct Environment {
-    std::unique_ptr<World> world;
-    std::shared_ptr<const WorldState> beginning;
+    std::shared_ptr<SharedWorld> world;  // that of its thread, or its own
+    std::unique_ptr<SharedState> state;
     int64_t steps = 0;
   };
 
-  /// Calls `visit(environment, row)` for the environments for which `mask` (null: all) has a true
-  /// among their `width` values, on all threads, each of which has some of the environments.
+  /// Calls `visit(world, environment, row)`, with the world in the environment's state, for the
+  /// environments for which `mask` (null: all) has a true among their `width` values, on all
+  /// threads, each of which has a world and some of the environments.
   template <class Visit>
   void ForEach(const bool* mask, int width, Visit visit);
+  /// Tells the processor to fetch what a visit of an environment will need: `distance` visits
+  /// before, from 3 to 1. Each time it looks at what it has fetched the time before.
+  void Prefetch(int row, int distance) const;
   void Advance(const bool* mask, const double* actions, int substeps, double dt,
                const BatchRows* rows, bool goes_on);
   /// Commands a robot to stop if its action is null.
@@ -146,6 +154,7 @@ class WorldBatch {
 
   std::vector<BatchRobot> robots_;
   std::vector<BatchModel> models_;
+  std::vector<World::Body> moved_;  // those of the robots and the models
   int beams_ = 0;
   int64_t first_step_ = 0;  // at the beginning
   std::vector<Environment> environments_;

@@ -90,6 +90,18 @@ struct BodyContacts {
 };
 template struct DefineMember<BodyContacts, &b2Body::m_contactList>;
 
+struct WorldBodyList {
+  using Pointer = b2Body* b2World::*;
+  friend constexpr Pointer Member(WorldBodyList);
+};
+template struct DefineMember<WorldBodyList, &b2World::m_bodyList>;
+
+struct WorldBodyCount {
+  using Pointer = int32 b2World::*;
+  friend constexpr Pointer Member(WorldBodyCount);
+};
+template struct DefineMember<WorldBodyCount, &b2World::m_bodyCount>;
+
 struct WorldInverseStep {
   using Pointer = float b2World::*;
   friend constexpr Pointer Member(WorldInverseStep);
@@ -172,6 +184,9 @@ inline b2Transform& Transform(b2Body& body) { return body.*Member(BodyTransform(
 inline b2Fixture*& Fixtures(b2Body& body) { return body.*Member(BodyFixtures()); }
 /// The head of a body's list of contacts.
 inline b2ContactEdge*& ContactList(b2Body& body) { return body.*Member(BodyContacts()); }
+/// The head of the list of bodies, the newest first, and their number.
+inline b2Body*& BodyList(b2World& world) { return world.*Member(WorldBodyList()); }
+inline int32& BodyCount(b2World& world) { return world.*Member(WorldBodyCount()); }
 /// One over the length of the last step [1/s], 0 before the first.
 inline float& InverseStep(b2World& world) { return world.*Member(WorldInverseStep()); }
 /// True if bodies or fixtures, which may have new contacts, were moved since the last step.
@@ -181,9 +196,10 @@ inline bool& StepComplete(b2World& world) { return world.*Member(WorldStepComple
 inline b2ContactManager& Contacts(b2World& world) {
   return const_cast<b2ContactManager&>(world.GetContactManager());
 }
-inline b2DynamicTree& Tree(b2World& world) {
-  return Contacts(world).m_broadPhase.*Member(BroadPhaseTree());
+inline b2DynamicTree& Tree(b2BroadPhase& broad_phase) {
+  return broad_phase.*Member(BroadPhaseTree());
 }
+inline b2DynamicTree& Tree(b2World& world) { return Tree(Contacts(world).m_broadPhase); }
 /// The ids of the proxies that may have new contacts, and their number.
 inline int32*& Moves(b2World& world) {
   return Contacts(world).m_broadPhase.*Member(BroadPhaseMoves());

@@ -29,6 +29,13 @@ b2EdgeShape EdgeOf(const Segment& wall);
 
 class NearbyWalls {
  public:
+  struct Block {
+    b2Body* body = nullptr;
+    int holders = 0;
+  };
+  /// The blocks that are held, by their numbers.
+  using Held = std::map<uint32_t, Block>;
+
   /// `owner` is the user data of the bodies that are made.
   NearbyWalls(std::shared_ptr<const SegmentTree> walls, LayerBits layers, uint32_t owner)
       : walls_(std::move(walls)), layers_(layers), owner_(owner) {}
@@ -57,6 +64,8 @@ class NearbyWalls {
   /// Appends the fixtures of the blocks that are held, in an order that depends on which these are
   /// alone.
   void AppendFixtures(std::vector<b2Fixture*>& fixtures) const;
+  /// Exchanges what is held with that of another state of the world.
+  void Exchange(Held& held) { held_.swap(held); }
   int held_block_count() const { return static_cast<int>(held_.size()); }
   /// The fixture of a wall, or null if its block is not held.
   b2Fixture* Find(uint32_t wall) const;
@@ -73,15 +82,10 @@ class NearbyWalls {
   void SetMaterials(const std::vector<Material>& materials);
 
  private:
-  struct Block {
-    b2Body* body = nullptr;
-    int holders = 0;
-  };
-
   std::shared_ptr<const SegmentTree> walls_;
   LayerBits layers_;
   uint32_t owner_;
-  std::map<uint32_t, Block> held_;        // by their numbers
+  Held held_;
   Material material_ = kDefaultMaterial;  // of walls that are not in `changed_`
   std::unordered_map<uint32_t, Material> changed_;
 };

@@ -1,6 +1,7 @@
 #include "flatland_server/world_batch.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <sstream>
@@ -9,6 +10,8 @@
 
 #include "box2d_limits.hpp"
 #include "flatland_server/wall_list.hpp"
+#include "prefetch.hpp"
+#include "shared_world.hpp"
 #include "world_state.hpp"
 
 namespace flatland {
@@ -40,31 +43,32 @@ WorldBatch::WorldBatch(const World& world, const std::vector<BatchRobot>& robots
   Require(count >= 1, "a batch needs an environment");
   Require(threads >= 1, "a batch needs a thread");
   Require(!robots.empty(), "a batch needs a robot");
-  beams_ = world.lidars_.GetBeamCount(robots[0].lidar);
-  const auto check = [&](const std::vector<World::Body>& bodies) {
-    for (const World::Body& body : bodies) world.bodies_.Get(body);
-  };
   for (const BatchRobot& robot : robots) {
     Require(!robot.bodies.empty(), "a robot needs a body");
-    check(robot.bodies);
     Require(robot.action_size == action_size(), "robots need equally many numbers in an action");
-    Require(world.lidars_.GetBeamCount(robot.lidar) == beams_, "robots need equally many beams");
+    moved_.insert(moved_.end(), robot.bodies.begin(), robot.bodies.end());
   }
   for (const BatchModel& model : models) {
     Require(!model.bodies.empty(), "a model needs a body");
-    check(model.bodies);
+    moved_.insert(moved_.end(), model.bodies.begin(), model.bodies.end());
   }
   environments_.resize(count);
   collided_.resize(static_cast<size_t>(row_count()));
   drawn_.resize(collided_.size());
-  const World::AccessGuard guard(world);
-  const auto beginning = std::make_shared<const WorldState>(WorldState::Of(world));
-  ForEach(nullptr, 1, [&](Environment& environment, int) {
-    environment = {world.Copy(*beginning), beginning, steps};
-  });
-  World& first = *environments_[0].world;
+  for (int i = 0; i < team_.size(); ++i) {
+    const auto shared = std::make_shared<SharedWorld>(world.Copy(), moved_);
+    for (int row = team_.Begin(i, count); row < team_.Begin(i + 1, count); ++row) {
+      environments_[row] = {shared, shared->MakeState(), steps};
+    }
+  }
+  Environment& first = environments_[0];
+  const SharedWorld::Entered entered(*first.world, *first.state);
+  World& of_first = entered.world();
+  beams_ = of_first.lidars().GetBeamCount(robots[0].lidar);
   for (const BatchRobot& robot : robots) {
-    std::visit([&](auto drive) { first.Get(drive); }, robot.drive);
+    std::visit([&](auto drive) { of_first.Get(drive); }, robot.drive);
+    Require(of_first.lidars().GetBeamCount(robot.lidar) == beams_,
+            "robots need equally many beams");
   }
 }
 
@@ -74,10 +78,35 @@ template <class Visit>
 void WorldBatch::ForEach(const bool* mask, int width, Visit visit) {
   team_.Run([&](int i) noexcept {
     const int end = team_.Begin(i + 1, count());
-    for (int row = team_.Begin(i, count()); row < end; ++row) {
-      if (IsChosen(mask, width, row)) visit(environments_[row], row);
+    const auto first_from = [mask, width, end](int row) {
+      while (row < end && !IsChosen(mask, width, row)) ++row;
+      return row;
+    };
+    // The present row, and the next ones, which are fetched from memory meanwhile.
+    std::array<int, 4> rows;
+    int row = team_.Begin(i, count());
+    for (int& each : rows) row = (each = first_from(row)) + 1;
+    while (rows[0] < end) {
+      for (int k = 1; k < 4; ++k) {
+        if (rows[k] < end) Prefetch(rows[k], k);
+      }
+      Environment& environment = environments_[rows[0]];
+      visit(SharedWorld::Entered(*environment.world, *environment.state).world(), environment,
+            rows[0]);
+      std::move(rows.begin() + 1, rows.end(), rows.begin());
+      rows.back() = first_from(rows.back() + 1);
     }
   });
+}
+
+void WorldBatch::Prefetch(int row, int distance) const {
+  SharedWorld::Prefetch(*environments_[row].state, distance);
+  for (int i = 0; i < robot_count(); ++i) {
+    const WallList* const drawn = drawn_[int64_t{row} * robot_count() + i];
+    if (drawn == nullptr) continue;
+    if (distance == 2) PrefetchObject(*drawn);
+    if (distance == 1) PrefetchElements(drawn->blocks());
+  }
 }
 
 void WorldBatch::RequireActions(const double* actions, const bool* mask) const {
@@ -102,8 +131,7 @@ void WorldBatch::Advance(const bool* mask, const double* actions, int substeps, 
   Require(IsUsable(dt) && dt >= kMinStep, "a step must be finite and longer than zero");
   RequireActions(actions, mask);
   const int robots = robot_count();
-  ForEach(mask, robots, [&](Environment& environment, int row) {
-    World& world = *environment.world;
+  ForEach(mask, robots, [&](World& world, Environment& environment, int row) {
     const int64_t first = int64_t{row} * robots;
     for (int i = 0; i < robots; ++i) {
       const bool is_driven = mask == nullptr || mask[first + i];
@@ -135,9 +163,8 @@ void WorldBatch::Reset(const bool* mask, const double* poses, const BatchRows& r
       RequirePose(model_poses + numbers * row + i);
     }
   }
-  ForEach(mask, 1, [&](Environment& environment, int row) {
-    environment.beginning->Restore(*environment.world);
-    World& world = *environment.world;
+  ForEach(mask, 1, [&](World& world, Environment& environment, int row) {
+    environment.world->beginning().Restore(world);
     const int64_t first = int64_t{row} * robots;
     for (int i = 0; poses != nullptr && i < robots; ++i) {
       Move(world, robots_[i].bodies, robots_[i].base, poses + 3 * (first + i));
@@ -156,8 +183,7 @@ void WorldBatch::MoveRobots(const bool* mask, const double* poses) {
     if (mask == nullptr || mask[row]) RequirePose(poses + 3 * int64_t{row});
   }
   const int robots = robot_count();
-  ForEach(mask, robots, [&](Environment& environment, int row) {
-    World& world = *environment.world;
+  ForEach(mask, robots, [&](World& world, Environment&, int row) {
     for (int i = 0; i < robots; ++i) {
       const int64_t at = int64_t{row} * robots + i;
       if (mask != nullptr && !mask[at]) continue;
@@ -168,35 +194,36 @@ void WorldBatch::MoveRobots(const bool* mask, const double* poses) {
 
 std::string WorldBatch::SaveState(int row) {
   Require(row >= 0 && row < count(), "there is no such environment");
-  return environments_[row].world->SaveState();
+  const auto& [shared, state, steps] = environments_[row];
+  return SharedWorld::Entered(*shared, *state).world().SaveState();
 }
 
 void WorldBatch::LoadStates(const bool* mask, const std::vector<std::string_view>& states,
                             const int64_t* chosen, const int64_t* steps, const BatchRows& rows) {
-  /// A state as environments that begin alike read it, and the first of them.
+  /// A state as environments of a world read it, and the first of them.
   struct Read {
     WorldState state;
     int first;
   };
-  std::map<std::pair<const WorldState*, int64_t>, Read> read;
+  std::map<std::pair<const SharedWorld*, int64_t>, Read> read;
   std::vector<const Read*> of(count());
   for (int row = 0; row < count(); ++row) {  // all that may fail comes first
     if (mask != nullptr && !mask[row]) continue;
     const int64_t index = chosen[row];
     Require(index >= 0 && index < static_cast<int64_t>(states.size()), "there is no such state");
-    const auto& [world, beginning, _] = environments_[row];
-    auto found = read.find({beginning.get(), index});
+    const auto& [shared, state, _] = environments_[row];
+    const std::pair key(shared.get(), index);
+    auto found = read.find(key);
     if (found == read.end()) {
-      const std::pair key(beginning.get(), index);
-      found = read.insert({key, {WorldState::Read(states[index], *world), row}}).first;
+      found = read.insert({key, {shared->Read(states[index], *state), row}}).first;
     }
     of[row] = &found->second;
   }
-  ForEach(mask, 1, [&](Environment& environment, int row) {
-    of[row]->state.Restore(*environment.world);
+  ForEach(mask, 1, [&](World& world, Environment& environment, int row) {
+    of[row]->state.Restore(world);
     environment.steps = steps[row];
     std::fill_n(collided_.begin() + int64_t{row} * robot_count(), robot_count(), false);
-    if (of[row]->first == row) Write(*environment.world, row, nullptr, rows);
+    if (of[row]->first == row) Write(world, row, nullptr, rows);
   });
   for (int row = 0; row < count(); ++row) {
     if (of[row] != nullptr && of[row]->first != row) CopyRows(rows, of[row]->first, row);
@@ -204,32 +231,30 @@ void WorldBatch::LoadStates(const bool* mask, const std::vector<std::string_view
 }
 
 void WorldBatch::Observe(const BatchRows& rows) {
-  ForEach(nullptr, 1, [&](Environment& environment, int row) {
-    Write(*environment.world, row, nullptr, rows);
+  ForEach(nullptr, 1, [&](World& world, Environment&, int row) {
+    Write(world, row, nullptr, rows);
   });
 }
 
 void WorldBatch::Replace(int row, const World& world) {
   Require(row >= 0 && row < count(), "there is no such environment");
-  const World::AccessGuard guard(world);
-  const auto beginning = std::make_shared<const WorldState>(WorldState::Of(world));
-  environments_[row] = {world.Copy(*beginning), beginning, 0};
+  const auto own = std::make_shared<SharedWorld>(world.Copy(), moved_);
+  environments_[row] = {own, own->MakeState(), 0};
   const int64_t first = int64_t{row} * robot_count();
   std::fill_n(collided_.begin() + first, robot_count(), false);
   std::fill_n(drawn_.begin() + first, robot_count(), nullptr);  // walls of its former world
 }
 
 void WorldBatch::SeedCrowd(const bool* mask, World::CrowdHandle crowd, const uint64_t* keys) {
-  ForEach(mask, 1, [&](Environment& environment, int row) {
-    environment.world->Get(crowd).Seed(keys[row]);
+  ForEach(mask, 1, [&](World& world, Environment&, int row) {
+    world.Get(crowd).Seed(keys[row]);
   });
 }
 
 void WorldBatch::GetMotions(const bool* mask, const std::vector<World::Body>& bodies, double* poses,
                             double* velocities) {
   const auto width = static_cast<int64_t>(3 * bodies.size());
-  ForEach(mask, 1, [&](Environment& environment, int row) {
-    const World& world = *environment.world;
+  ForEach(mask, 1, [&](World& world, Environment&, int row) {
     int64_t at = width * row;
     for (const World::Body& body : bodies) {
       const Pose pose = Wrapped(world.GetPose(body));
@@ -250,8 +275,7 @@ void WorldBatch::SetVelocities(const bool* mask, const std::vector<World::Body>&
       Require(IsUsable(velocities[i]), "a velocity must be finite");
     }
   }
-  ForEach(mask, 1, [&](Environment& environment, int row) {
-    World& world = *environment.world;
+  ForEach(mask, 1, [&](World& world, Environment&, int row) {
     const double* velocity = velocities + width * row;
     for (const World::Body& body : bodies) {
       world.SetVelocity(body, {velocity[0], velocity[1], velocity[2]});

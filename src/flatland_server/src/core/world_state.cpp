@@ -380,11 +380,47 @@ void World::RestoreState(std::string_view bytes) {
   WorldState::Read(bytes, *this).Restore(*this);
 }
 
+void WorldState::RequireSameStill(const World& world) const {
+  const std::vector<b2Fixture*> fixtures = FixturesOf(world.bodies_, *world.layers_);
+  std::vector<int32> leaves(fixtures.size(), b2_nullNode);
+  for (int32 leaf = 0; leaf < tree.node_count(); ++leaf) {
+    const SavedTree::Node& node = tree.nodes[leaf];
+    if (node.is_leaf() && static_cast<size_t>(node.child2) < leaves.size()) {
+      leaves[node.child2] = leaf;
+    }
+  }
+  size_t i = 0, fixture = 0;
+  world.bodies_.ForEach([&](auto, const BodyRecord& record) {
+    const BodyState& state = bodies[i++];
+    const size_t first = fixture;
+    fixture += record.fixtures.size();
+    if (record.may_move || record.is_layer) return;
+    const BodyState present = StateOf(record);
+    bool has_same_leaves = true;
+    for (size_t k = first; k < fixture; ++k) {
+      const int32 leaf = box2d::FixtureInternals::Proxies(*fixtures[k])->proxyId;
+      has_same_leaves = has_same_leaves && leaf == leaves[k];
+    }
+    Require(has_same_leaves, "the state is of another world: a static body was added elsewhen");
+    Require(present.position == state.position && present.sweep.a == state.sweep.a,
+            "the state is of another world: a static body is elsewhere");
+    Require(present.materials == state.materials && present.order == state.order,
+            "the state is of another world: other friction, restitution or footprints");
+  });
+}
+
+void WorldState::Clear(World& world) {
+  world.world_->SetContactListener(nullptr);
+  b2ContactManager& manager = box2d::Contacts(*world.world_);
+  while (manager.m_contactList != nullptr) manager.Destroy(manager.m_contactList);
+  world.bodies_.ForEach([&](auto, BodyRecord& record) {
+    world.layers_->ReleaseWallsNear(*world.world_, record);
+  });
+}
+
 void WorldState::Restore(World& world) const {
   b2World& box2d_world = *world.world_;
-  box2d_world.SetContactListener(nullptr);
-  b2ContactManager& manager = box2d::Contacts(box2d_world);
-  while (manager.m_contactList != nullptr) manager.Destroy(manager.m_contactList);
+  Clear(world);
   std::vector<BodyRecord*> records;
   world.bodies_.ForEach([&](World::Body handle, BodyRecord& record) {
     const BodyState& state = bodies[records.size()];
@@ -398,7 +434,6 @@ void WorldState::Restore(World& world) const {
                        record.body->GetAngle() == state.sweep.a;
     if (!stays) world.bodies_.LetMove(handle);
   });
-  for (BodyRecord* record : records) world.layers_->ReleaseWallsNear(box2d_world, *record);
   for (size_t i = 0; i < records.size(); ++i) {
     world.layers_->HoldWallsOf(box2d_world, *records[i], bodies[i].nearby);
   }

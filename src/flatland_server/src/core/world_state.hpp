@@ -114,6 +114,11 @@ struct WorldState {
   std::string Write(const World& world);
   /// Puts a world into this state.
   void Restore(World& world) const;
+  /// Removes from Box2D what was made by steps: contacts, and the walls near bodies.
+  static void Clear(World& world);
+  /// Throws std::invalid_argument unless bodies that stay are in this state as they are in the
+  /// world.
+  void RequireSameStill(const World& world) const;
   float inverse_step = 0.0f;                 // one over the length of the last step [1/s]
   bool has_new_contacts = false;             // something was moved since
   std::vector<BodyState> bodies;             // each in the order in which they were added
