@@ -27,12 +27,21 @@ size_t NearbyWalls::CountWalls(uint32_t block) const {
   return count;
 }
 
+NearbyWalls::Held::iterator NearbyWalls::Place(uint32_t number) {
+  return std::lower_bound(held_.begin(), held_.end(), number,
+                          [](const Block& block, uint32_t other) { return block.number < other; });
+}
+
 void NearbyWalls::Hold(b2World& world, uint32_t number) {
-  Block& block = held_[number];
-  if (block.holders++ > 0) return;
+  const auto place = Place(number);
+  if (place != held_.end() && place->number == number) {
+    ++place->holders;
+    return;
+  }
   b2BodyDef definition;
   definition.userData.pointer = owner_;
-  block.body = world.CreateBody(&definition);
+  b2Body& body = *world.CreateBody(&definition);
+  held_.insert(place, {number, 1, &body});
   walls_->ForEachWall(number, [&](uint32_t index) {
     const b2EdgeShape edge = EdgeOf(walls_->segments()[index]);
     const Material& material = GetMaterial(index);
@@ -43,33 +52,33 @@ void NearbyWalls::Hold(b2World& world, uint32_t number) {
     fixture.restitution = material.restitution;
     fixture.filter.categoryBits = layers_;
     fixture.filter.maskBits = layers_;
-    block.body->CreateFixture(&fixture);
+    body.CreateFixture(&fixture);
     return true;
   });
 }
 
 void NearbyWalls::Release(b2World& world, uint32_t number) {
-  const auto found = held_.find(number);
-  if (--found->second.holders > 0) return;
-  world.DestroyBody(found->second.body);
-  held_.erase(found);
+  const auto place = Place(number);
+  if (--place->holders > 0) return;
+  world.DestroyBody(place->body);
+  held_.erase(place);
 }
 
 void NearbyWalls::AppendFixtures(std::vector<b2Fixture*>& fixtures) const {
-  for (const auto& [number, block] : held_) {
+  for (const Block& block : held_) {
     b2Fixture* fixture = block.body->GetFixtureList();
     for (; fixture != nullptr; fixture = fixture->GetNext()) fixtures.push_back(fixture);
   }
 }
 
-b2Fixture* NearbyWalls::Find(uint32_t wall) const {
+b2Fixture* NearbyWalls::Find(uint32_t wall) {
   Box box;
   box.Add(walls_->segments()[wall]);
   b2Fixture* its = nullptr;
   ForEachBlockAt(box, [&](uint32_t number) {
-    const auto found = held_.find(number);
-    if (its != nullptr || found == held_.end()) return;
-    b2Fixture* fixture = found->second.body->GetFixtureList();
+    const auto place = Place(number);
+    if (its != nullptr || place == held_.end() || place->number != number) return;
+    b2Fixture* fixture = place->body->GetFixtureList();
     while (fixture != nullptr && fixture->GetUserData().pointer != wall) {
       fixture = fixture->GetNext();
     }

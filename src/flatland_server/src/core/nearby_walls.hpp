@@ -14,7 +14,6 @@
 #include <box2d/box2d.h>
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <unordered_map>
 #include <vector>
@@ -30,11 +29,12 @@ b2EdgeShape EdgeOf(const Segment& wall);
 class NearbyWalls {
  public:
   struct Block {
-    b2Body* body = nullptr;
+    uint32_t number = 0;
     int holders = 0;
+    b2Body* body = nullptr;
   };
-  /// The blocks that are held, by their numbers.
-  using Held = std::map<uint32_t, Block>;
+  /// The blocks that are held, in the order of their numbers.
+  using Held = std::vector<Block>;
 
   /// `owner` is the user data of the bodies that are made.
   NearbyWalls(std::shared_ptr<const SegmentTree> walls, LayerBits layers, uint32_t owner)
@@ -68,7 +68,7 @@ class NearbyWalls {
   void Exchange(Held& held) { held_.swap(held); }
   int held_block_count() const { return static_cast<int>(held_.size()); }
   /// The fixture of a wall, or null if its block is not held.
-  b2Fixture* Find(uint32_t wall) const;
+  b2Fixture* Find(uint32_t wall);
 
   /// True if a fixture overlaps a wall, by `overlap(shape, transform)`.
   template <class Overlap>
@@ -82,6 +82,9 @@ class NearbyWalls {
   void SetMaterials(const std::vector<Material>& materials);
 
  private:
+  /// Where a block is in `held_`, or would be.
+  Held::iterator Place(uint32_t number);
+
   std::shared_ptr<const SegmentTree> walls_;
   LayerBits layers_;
   uint32_t owner_;

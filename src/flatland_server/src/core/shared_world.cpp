@@ -96,10 +96,17 @@ std::unique_ptr<SharedState> SharedWorld::MakeState() {
 }
 
 void SharedWorld::Prefetch(SharedState& state, int distance) {
-  if (distance == 3) PrefetchObject(state);
-  if (distance == 2) PrefetchElements(state.bytes_);
+  if (distance == 3) return PrefetchObject(state);
+  if (distance == 2) {
+    PrefetchElements(state.bytes_);
+    PrefetchElements(state.nearby_);
+    return PrefetchElements(state.held_);
+  }
   b2DynamicTree& tree = box2d::Tree(state.broad_phase_);
-  if (distance == 1) PrefetchBytes(box2d::Nodes(tree), box2d::NodeCapacity(tree) * sizeof(b2TreeNode));
+  PrefetchBytes(box2d::Nodes(tree), box2d::NodeCapacity(tree) * sizeof(b2TreeNode));
+  for (const NearbyWalls::Held& held : state.held_) {
+    for (const NearbyWalls::Block& block : held) PrefetchObject(*block.body);
+  }
 }
 
 void SharedWorld::ExchangeOwn(SharedState& state) {
