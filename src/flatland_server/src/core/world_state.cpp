@@ -29,10 +29,14 @@ Material MaterialOf(const b2Fixture& fixture) {
   return {fixture.GetFriction(), fixture.GetRestitution()};
 }
 
-BodyState StateOf(const BodyRecord& record) {
+BodyState StateOf(const BodyRecord& record, const Layers& layers) {
+  BodyState state;
+  if (record.is_layer) {
+    state.materials = layers.NearbyOf(record)->GetMaterials();
+    return state;
+  }
   b2Body& body = *record.body;
   const std::vector<BodyRecord::FixtureRecord>& fixtures = record.fixtures;
-  BodyState state;
   state.position = body.GetPosition();
   state.sweep = box2d::Sweep(body);
   state.velocity = body.GetLinearVelocity();
@@ -240,10 +244,7 @@ WorldState WorldState::Of(const World& world) {
   std::vector<uint32_t> order(world.bodies_.slot_count());  // by the index of a handle
   world.bodies_.ForEach([&](World::Body handle, const BodyRecord& record) {
     order[handle.index] = static_cast<uint32_t>(state.bodies.size());
-    state.bodies.push_back(StateOf(record));
-    if (const NearbyWalls* layer = world.layers_->NearbyOf(record)) {
-      state.bodies.back().materials = layer->GetMaterials();
-    }
+    state.bodies.push_back(StateOf(record, *world.layers_));
   });
   world.joints_.ForEach(
       [&](World::Joint, b2Joint* joint) { state.joints.push_back(ImpulsesOf(*joint)); });
@@ -392,20 +393,17 @@ void WorldState::RequireSameStill(const World& world) const {
   size_t i = 0, fixture = 0;
   world.bodies_.ForEach([&](auto, const BodyRecord& record) {
     const BodyState& state = bodies[i++];
-    const size_t first = fixture;
-    fixture += record.fixtures.size();
-    if (record.may_move || record.is_layer) return;
-    const BodyState present = StateOf(record);
-    bool has_same_leaves = true;
-    for (size_t k = first; k < fixture; ++k) {
-      const int32 leaf = box2d::FixtureInternals::Proxies(*fixtures[k])->proxyId;
-      has_same_leaves = has_same_leaves && leaf == leaves[k];
-    }
-    Require(has_same_leaves, "the state is of another world: a static body was added elsewhen");
-    Require(present.position == state.position && present.sweep.a == state.sweep.a,
-            "the state is of another world: a static body is elsewhere");
+    const BodyState present = StateOf(record, *world.layers_);
     Require(present.materials == state.materials && present.order == state.order,
             "the state is of another world: other friction, restitution or footprints");
+    for (const BodyRecord::FixtureRecord& each : record.fixtures) {
+      const int32 leaf = box2d::FixtureInternals::Proxies(*each.fixture)->proxyId;
+      Require(record.may_move || leaf == leaves[fixture],
+              "the state is of another world: static bodies were added at other times");
+      ++fixture;
+    }
+    Require(record.may_move || (present.position == state.position && present.sweep.a == state.sweep.a),
+            "the state is of another world: a static body is elsewhere");
   });
 }
 

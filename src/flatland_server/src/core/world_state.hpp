@@ -116,8 +116,8 @@ struct WorldState {
   void Restore(World& world) const;
   /// Removes from Box2D what was made by steps: contacts, and the walls near bodies.
   static void Clear(World& world);
-  /// Throws std::invalid_argument unless bodies that stay are in this state as they are in the
-  /// world.
+  /// Throws std::invalid_argument unless the world has, in this state, the same materials, and the
+  /// bodies that stay at the same places.
   void RequireSameStill(const World& world) const;
   float inverse_step = 0.0f;                 // one over the length of the last step [1/s]
   bool has_new_contacts = false;             // something was moved since
