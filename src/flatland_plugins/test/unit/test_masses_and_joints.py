@@ -94,7 +94,7 @@ def test_states_branches_and_batches_have_what_a_program_has_set(world_of, name)
 
 
 def test_environments_of_a_batch_have_different_masses_and_joints(world_of):
-    world = world_of(noise="0.02")
+    world = world_of()
     with SimulationBatch(world, 6, threads=2) as batch:
         simulations = [Simulation(world, seed=k) for k in range(6)]
         for k, each in enumerate(simulations):

@@ -50,8 +50,8 @@ void RequireMaterial(const FixtureSettings& settings);
 /// Mass properties of a fixture, for MassSum.
 b2MassData ComputeMass(const b2Shape& shape, const FixtureSettings& settings);
 
-/// Throws std::invalid_argument with the message unless a body of this mass has a positive moment of
-/// inertia about its centre of mass, which Box2D asserts: rounding may leave none.
+/// Throws std::invalid_argument with the message unless a body of this mass has a positive moment
+/// of inertia about its centre of mass, which Box2D asserts: rounding may leave none.
 void RequireInertia(const b2MassData& mass, const char* message);
 
 /// The mass properties of a body, summed up fixture by fixture.

@@ -135,9 +135,9 @@ class World : public Access, private b2DestructionListener {
   Vec2 GetCenter(Body body) const;
   /// The same in the body's frame.
   Vec2 GetLocalCenter(Body body) const;
-  /// Gives a dynamic body another mass than that of its fixtures, until it gets a fixture or another
-  /// shape. Without them, the centre stays, in the body's frame, and the inertia grows with the
-  /// mass. The velocity of the origin stays. By a contact listener, at the end of the step.
+  /// Gives a dynamic body another mass than that of its fixtures, until it gets a fixture or
+  /// another shape. Without them, the centre stays, in the body's frame, and the inertia grows with
+  /// the mass. The velocity of the origin stays. By a contact listener, at the end of the step.
   void SetMass(Body body, double mass, std::optional<double> inertia = std::nullopt,
                std::optional<Vec2> center = std::nullopt);
   /// Gives it that of its fixtures.
@@ -206,8 +206,8 @@ class World : public Access, private b2DestructionListener {
 
   std::optional<JointLimits> GetLimits(Joint joint) const;
   /// None: it rotates freely. If it did so before, its angle is from now on that of GetJointAngle,
-  /// without whole rotations; or, if the limits do not contain that, the one nearest to their middle
-  /// among those that look alike.
+  /// without whole rotations; or, if the limits do not contain that, the one nearest to their
+  /// middle among those that look alike.
   void SetLimits(Joint joint, const std::optional<JointLimits>& limits);
   std::optional<JointMotor> GetMotor(Joint joint) const;
   void SetMotor(Joint joint, const std::optional<JointMotor>& motor);
@@ -273,9 +273,10 @@ class World : public Access, private b2DestructionListener {
 
   // ---- State ----
 
-  /// The state of all that moves, as bytes: poses, velocities, pending forces, masses, contacts with
-  /// the solver's impulses, joints with limits and motors, drives and tweens. What the construction
-  /// of the world determines, such as shapes, is not included, even if they were replaced.
+  /// The state of all that moves, as bytes: poses, velocities, pending forces, masses, contacts
+  /// with the solver's impulses, joints with limits and motors, drives and tweens. What the
+  /// construction of the world determines, such as shapes, is not included, even if they were
+  /// replaced.
   std::string SaveState() const;
   /// Puts a world that was constructed in the same way, in the same order, into a saved state. Both
   /// make the same steps, bit for bit. Handles stay valid, and no contact event is reported. Throws

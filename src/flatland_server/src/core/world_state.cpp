@@ -1,8 +1,8 @@
 /// World: saving and restoring its state.
 ///
 /// Box2D has no functions for this. What a step depends on is copied: bodies, joints with their
-/// impulses, contacts in their order, and the tree of bounding boxes (saved_tree.hpp), which depends
-/// on the whole past and decides in which order contacts are found, hence solved.
+/// impulses, contacts in their order, and the tree of bounding boxes (saved_tree.hpp), which
+/// depends on the whole past and decides in which order contacts are found, hence solved.
 
 #include "world_state.hpp"
 

@@ -66,7 +66,7 @@ struct BodyState {
     std::memcpy(&bits, &mass, sizeof mass);
     for (uint32_t& each : bits) archive(each);
     if constexpr (Archive::kIsReader) {
-      std::memcpy(&mass, &bits, sizeof mass);
+      std::memcpy(static_cast<void*>(&mass), &bits, sizeof mass);
       const float about_center = mass.I - mass.mass * b2Dot(mass.center, mass.center);
       const bool has_inertia = about_center > 0.0f && std::isfinite(about_center);
       const bool is_sound = std::isfinite(mass.mass) && (has_inertia || mass.I == 0.0f);

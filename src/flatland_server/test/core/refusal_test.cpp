@@ -147,9 +147,8 @@ Refusal Weld(const char* name, double angle, double frequency, double damping) {
 }
 Refusal Massive(const char* name, double mass, std::optional<double> inertia,
                 std::optional<Vec2> center) {
-  return {name, [=](World& w, World::Body box, World::Body) {
-            w.SetMass(box, mass, inertia, center);
-          }};
+  return {name,
+          [=](World& w, World::Body box, World::Body) { w.SetMass(box, mass, inertia, center); }};
 }
 Refusal Stepping(const char* name, double dt) {
   return {name, [dt](World& w, World::Body, World::Body) { w.Step(dt); }};
@@ -177,9 +176,9 @@ INSTANTIATE_TEST_SUITE_P(
         Massive("negative_inertia", 1, -1, {}), Massive("inertia_of_inf", 1, kInfinity, {}),
         Massive("centre_at_nan", 1, {}, Vec2{0, kNaN}),
         Massive("centre_beyond_100_km", 1, {}, Vec2{1.1e5, 0}),
-        Massive("centre_too_far_for_the_inertia", 1, 1e-3, Vec2{100, 0}), Damped("negative_linear_damping", -1, 0),
-        Damped("negative_angular_damping", 0, -1), Damped("damping_of_nan", kNaN, 0),
-        Damped("angular_damping_of_inf", 0, kInfinity)),
+        Massive("centre_too_far_for_the_inertia", 1, 1e-3, Vec2{100, 0}),
+        Damped("negative_linear_damping", -1, 0), Damped("negative_angular_damping", 0, -1),
+        Damped("damping_of_nan", kNaN, 0), Damped("angular_damping_of_inf", 0, kInfinity)),
     NameOf);
 
 INSTANTIATE_TEST_SUITE_P(

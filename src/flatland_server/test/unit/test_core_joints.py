@@ -50,7 +50,7 @@ def test_a_motor_accelerates_with_its_torque_up_to_its_speed(hinge):
 
     assert hinge.joint.speed == pytest.approx(4 * DT * 0.5 / INERTIA, rel=1e-4)
     assert hinge.joint.motor_torque == pytest.approx(0.5, rel=1e-5)
-    hinge.step(40)
+    hinge.step(60)
     assert hinge.joint.speed == pytest.approx(3.0, rel=1e-5)
     assert hinge.joint.motor_torque == pytest.approx(0.0, abs=1e-4)
     hinge.joint.motor = (0.0, 0.1)  # a brake
