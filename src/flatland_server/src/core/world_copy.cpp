@@ -37,6 +37,8 @@ std::unique_ptr<World> World::Copy(const WorldState& state) const {
   copy->mechanisms_ = mechanisms_;
   copy->mechanisms_.drifts = MountedMap<BodyDrift>("drift");  // no copy's odometry is read
   copy->bodies_.ForEach([&](Body, BodyRecord& record) {
+    b2MassData mass;
+    record.body->GetMassData(&mass);
     b2BodyDef definition = box2d::DefinitionOf(*record.body);
     record.body = copy->world_->CreateBody(&definition);
     record.contact_events = kNoContactEvents;
@@ -45,7 +47,7 @@ std::unique_ptr<World> World::Copy(const WorldState& state) const {
     for (BodyRecord::FixtureRecord& each : record.fixtures) {
       each.fixture = CopyFixture(*record.body, *each.fixture);
     }
-    record.SetMass();
+    record.SetMass(mass);
   });
   const auto copy_of = [&](b2Body* old) {
     const auto index = static_cast<uint32_t>(old->GetUserData().pointer);
