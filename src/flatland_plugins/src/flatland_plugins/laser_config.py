@@ -66,6 +66,8 @@ class LaserConfig:
             always_publish=config.get_bool("always_publish", False),
             no_return=math.inf,
         )
+        if not laser.layers and config.is_sound:
+            config.warn("expected the layers that it sees, found none: it sees nothing", "layers")
         word = config.get_choice("no_return", ["inf", "nan", "max"], no_return)
         laser = replace(laser, no_return=laser.range if word == "max" else float(word))
         if config.is_sound and not 1 <= laser.beams <= _MAX_BEAMS:

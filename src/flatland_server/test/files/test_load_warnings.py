@@ -42,6 +42,13 @@ TRAPS = {
      "robot.model.yaml:4: bodies[0].pose: expected an angle in rad, found 90"),
     "a weld in degrees": (MODEL, "enabled: false\n    angle: 0", "enabled: true\n    angle: 90",
      "robot.model.yaml:35: joints[1].angle: expected an angle in rad, found 90"),
+    "a hinge in degrees": (MODEL, "limits: [-1, 1]", "limits: [-45, 30]",
+     "robot.model.yaml:27: joints[0].limits: expected an angle in rad, found -45"),
+    "a lidar of no layers": (MODEL, "range: 10", "range: 10\n    layers: []",
+     "robot.model.yaml:50: plugins[1].layers: expected the layers that it sees, found none: it "
+     "sees nothing"),
+    "a tag": (WORLD, "[1, 2, 0.5]", "[1, 2, !degrees 1]",
+     "world.yaml:12: the tag \"!degrees\" is ignored"),
     "beams in degrees": (MODEL, "{min: -1, max: 1, increment: 0.1}",
      "{min: -90, max: 90, increment: 1}", "robot.model.yaml:50: plugins[1].angle.max: "
      "expected angles in rad, found a turn of 1.031e+04 degrees from min to max"),

@@ -237,9 +237,12 @@ class YamlMap:
         """
         self._read.add(key)
         if not self.has(key):
-            if default is REQUIRED:
-                raise self._missing(key)
-            return default
+            if default is not REQUIRED:
+                return default
+            if key in self._keys:
+                message = f'the required key "{key}" has no value'
+                raise error_at(self._keys[key], message, self._label())
+            raise self._missing(key)
         try:
             return converter(self._values[key])
         except EntryError as error:

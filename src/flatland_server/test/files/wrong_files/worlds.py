@@ -21,6 +21,8 @@ WRONG_WORLDS: Dict[str, Case] = {
      '"velocity_iterations"?)'),
     "no layers": (WORLD, None, "properties: {}\n",
      'world.yaml:1: the required key "layers" is missing'),
+    "nothing for layers": (WORLD, None, "properties:\nlayers:\n# - name: map\n",
+     'world.yaml:2: the required key "layers" has no value'),
     "a map for layers": (WORLD, None, "properties: {}\nlayers: {name: map}\n",
      "world.yaml:2: layers: expected a list, found a map"),
     "a string for a layer": (WORLD, "{name: lines, map: lines.yaml}", "lines.yaml",
@@ -60,7 +62,8 @@ WRONG_WORLDS: Dict[str, Case] = {
      "- name: " + str([f"extra{i}" for i in range(14)]),
      "world.yaml:8: layers[2].name: expected at most 16 layer names in all, found more"),
     "too bright a colour": (WORLD, "color: [0.4, 0.4, 0.4, 1]", "color: [255, 255, 255, 1]",
-     "world.yaml:5: layers[0].color: expected [r, g, b, alpha], found [255, 255, 255, 1]"),
+     "world.yaml:5: layers[0].color: expected [r, g, b, alpha], each 0 to 1, found "
+     "[255, 255, 255, 1]"),
     "an unknown key of a layer": (WORLD, "color: [0.4", "colour: [0.4",
      'world.yaml:5: layers[0]: unknown key "colour" (did you mean "color"?)'),
     "an unknown key of a layer's properties": (WORLD, "{min_z: 0, max_z: 1}", "{minz: 0}",
@@ -69,6 +72,14 @@ WRONG_WORLDS: Dict[str, Case] = {
      'world.yaml:6: layers[0].properties: unknown key "debgu" (did you mean "debug"?)'),
     "a map that is not there": (WORLD, "map: map.yaml", "map: office.yaml",
      "world.yaml:4: layers[0].map: expected a file, but office.yaml is not there"),
+    "a map in capitals": (WORLD, "map: map.yaml", "map: Map.YAML",
+     "world.yaml:4: layers[0].map: expected a file, but Map.YAML is not there (did you mean "
+     '"map.yaml"?)'),
+    "a map of another extension": (WORLD, "map: lines.yaml", "map: lines.yml",
+     "world.yaml:7: layers[1].map: expected a file, but lines.yml is not there (did you mean "
+     '"lines.yaml"?)'),
+    "an image for a map": (WORLD, "map: map.yaml", "map: map.PNG",
+     'world.yaml:4: layers[0].map: expected a YAML file that names the image, found "map.PNG"'),
     "a map that is a folder": (WORLD, "map: map.yaml", "map: folder",
      "world.yaml:4: layers[0].map: expected a file, but folder is a folder"),
     "a list for a map": (WORLD, "map: map.yaml", "map: [map.yaml]",
@@ -92,7 +103,8 @@ WRONG_WORLDS: Dict[str, Case] = {
     "no file of a model": (WORLD, "    model: robot.model.yaml\n", "",
      'world.yaml:10: models[0] "robot": the required key "model" is missing'),
     "a model that is not there": (WORLD, "robot.model.yaml", "robto.model.yaml",
-     "world.yaml:13: models[0].model: expected a file, but robto.model.yaml is not there"),
+     "world.yaml:13: models[0].model: expected a file, but robto.model.yaml is not there (did "
+     'you mean "robot.model.yaml"?)'),
     "an unknown key of an entry": (WORLD, "pose:", "position:",
      'world.yaml:12: models[0] "robot": unknown key "position"'),
     "a plugin of the world that is unknown": (WORLD, "models:",
