@@ -45,7 +45,7 @@ WRONG_SYNTAX: Dict[str, Case] = {
      "world.yaml: is not valid YAML: unacceptable character #x0007: control "
      "characters are not allowed"),
     "not UTF-8": (WORLD, None, b"properties: {}\nlayers: [{name: caf\xe9}]\n",
-     "world.yaml: is not UTF-8 text: byte 34 is wrong"),
+     "world.yaml:2: is not UTF-8 text: found the byte 0xE9"),
     "ten thousand brackets": (WORLD, None, "properties: " + "[" * 10_000 + "]" * 10_000,
      "world.yaml:1: expected at most 100 levels, found more"),
     "an anchor that contains itself": (WORLD, None, "properties: {}\nlayers: &all\n  - *all\n",
