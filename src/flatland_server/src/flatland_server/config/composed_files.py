@@ -101,8 +101,8 @@ def _compose(path: Path, content: bytes, count_before: int) -> ComposedFile:
         value_count, is_plain = _checked_structure(path, text, count_before)
         documents = list(yaml.compose_all(_named(text, path), Loader=_LOADER))
     except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-        found = f"found the byte 0x{content[error.start]:02X}"
+        line = error.object.count(b"\n", 0, error.start) + 1
+        found = f"found the byte 0x{error.object[error.start]:02X}"
         raise YamlError(path, f"is not UTF-8 text: {found}", line) from None
     except yaml.MarkedYAMLError as error:
         raise syntax_error(path, text, error) from None
