@@ -213,6 +213,19 @@ def test_a_model_alone_in_millimetres_is_a_warning(files, caplog, capsys, monkey
     assert found.endswith("expected metres, found a footprint 200 m away")
 
 
+def test_a_model_that_is_spawned_has_warnings_of_its_sensors(files, caplog):
+    plugins = f"{DRIVE}, {LASER}, body: base, origin: [0.2, 0, 0]}}"
+    files.write(MODEL, f"bodies: [{DISC}]\nplugins: [{plugins}]\n")
+    files.write(WORLD, ROOM)
+
+    world = files.load()
+    for number in range(2):
+        world.spawn_model(files.folder / MODEL, f"r{number}", f"r{number}", (number, 0.0, 0.0))
+
+    [found] = of_folder(files, warnings(caplog))
+    assert found.startswith("robot.model.yaml:2: plugins[1].origin: is on the outline of a footprint")
+
+
 def test_environments_and_simulations_do_not_repeat_a_warning(files, caplog):
     files.write(WORLD, robots("[4.9, 0, 0]", plugins=f"{DRIVE}, {LASER}, body: base}}"))
 
