@@ -35,8 +35,11 @@ WRONG_SYNTAX: Dict[str, Case] = {
      'world.yaml:12: is not valid YAML: expected "key: value", a space after the colon, found '
      '"pose:[1, 2, 0.5]"'),
     "a text after a list": (WORLD, "[1, 2, 0.5]", "[1, 2, 0.5] m",
-     "world.yaml:12: is not valid YAML: while parsing a block mapping from line 10 did not find "
-     "expected key"),
+     'world.yaml:12: is not valid YAML: expected the end of the line, found "m"'),
+    "a key without a colon": (WORLD, None, "properties\nlayers: []\n",
+     'world.yaml:1: is not valid YAML: expected "key: value", found "properties"'),
+    "a text that begins with a sign": (WORLD, "name: robot", "name: @robot",
+     "world.yaml:10: is not valid YAML: expected quotes around a text that begins with @"),
     "indentation by another space": (WORLD, "    pose:", "  \u00a0 pose:",
      "world.yaml:12: is not valid YAML: lines are indented by spaces, found the character U+00A0"),
     "an unknown alias": (WORLD, "[1, 2, 0.5]", "*here",
