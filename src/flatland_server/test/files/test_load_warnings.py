@@ -153,6 +153,18 @@ def test_an_image_is_turned_as_its_exif_data_say(good_files, kind, orientation, 
     assert np.array_equal(walls.max(0), low + size)
 
 
+def test_a_polygon_that_is_closed_by_its_first_point_is_as_without_it(good_files, caplog):
+    good_files.edit(MODEL, "[0.02, 0.1]]", "[0.02, 0.1], [0.02, 0]]")
+    good_files.edit(MODEL, "range: 10", "range: 10\n    origin: [0.2, 0.1, 0]")
+
+    with python_warnings.catch_warnings():
+        python_warnings.simplefilter("error")
+        good_files.load()
+
+    [found] = of_folder(good_files, warnings(caplog))
+    assert "is on the outline" in found
+
+
 # Places
 
 
@@ -222,8 +234,8 @@ def test_a_model_that_is_spawned_has_warnings_of_its_sensors(files, caplog):
     for number in range(2):
         world.spawn_model(files.folder / MODEL, f"r{number}", f"r{number}", (number, 0.0, 0.0))
 
-    [found] = of_folder(files, warnings(caplog))
-    assert found.startswith("robot.model.yaml:2: plugins[1].origin: is on the outline of a footprint")
+    [found] = [each for each in of_folder(files, warnings(caplog)) if "outline" in each]
+    assert found.startswith("robot.model.yaml:2: plugins[1].origin: is on the outline of a foot")
 
 
 def test_environments_and_simulations_do_not_repeat_a_warning(files, caplog):

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, Tuple
 import yaml
 
 from flatland_server.config.input_files import MAX_YAML, read_input, too_large
-from flatland_server.config.syntax_errors import check_spaces, syntax_error
+from flatland_server.config.syntax_errors import syntax_error
 from flatland_server.config.yaml_map import warn_once
 from flatland_server.config.yaml_values import is_null
 from flatland_server.exceptions import YamlError, shortened
@@ -97,7 +97,6 @@ def _compose_cached(path: Path, content: bytes, count_before: int) -> ComposedFi
 def _compose(path: Path, content: bytes, count_before: int) -> ComposedFile:
     try:
         text = content.decode("utf-8-sig")
-        check_spaces(path, text)
         value_count, is_plain = _checked_structure(path, text, count_before)
         documents = list(yaml.compose_all(_named(text, path), Loader=_LOADER))
     except UnicodeDecodeError as error:

@@ -137,9 +137,9 @@ def why_not_a_file(path: Path) -> str:
 
 def similar_file(path: Path) -> str:
     """A hint at a file beside a path that is not there: of a similar name, or another extension."""
-    if path.exists():  # as a folder
-        return ""
     try:
+        if path.exists():  # as a folder
+            return ""
         names = [path.parent / name for name in sorted(os.listdir(path.parent))]
     except OSError:
         return ""

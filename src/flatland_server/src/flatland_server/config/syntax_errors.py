@@ -10,21 +10,16 @@ import yaml
 
 from flatland_server.exceptions import YamlError, shortened
 
-# Texts that are copied from a page may have them.
-_OTHER_SPACE = re.compile("^ *([\u00a0\u1680\u2000-\u200b\u202f\u205f\u3000])", re.MULTILINE)
 
+def other_indentation(line: str) -> str:
+    """A line's indentation by a space that is none in YAML, for a message; or an empty string.
 
-def check_spaces(path: Path, text: str) -> None:
-    """Refuses lines that begin with a space that is none in YAML: it would be part of the key.
-
-    Raises:
-        YamlError: there is one.
+    Texts that are copied from a page may have it. For YAML it is a part of the key.
     """
-    found = None if text.isascii() else _OTHER_SPACE.search(text)
-    if found:
-        line = text.count("\n", 0, found.start()) + 1
-        message = f"lines are indented by spaces, found the character U+{ord(found[1]):04X}"
-        raise YamlError(path, f"is not valid YAML: {message}", line, len(found[0]))
+    first = line.lstrip(" ")[:1]
+    if first.isascii() or not first.isspace():
+        return ""
+    return f"lines are indented by spaces, found the character U+{ord(first):04X}"
 
 
 def syntax_error(path: Path, text: str, error: yaml.MarkedYAMLError) -> YamlError:
@@ -41,7 +36,9 @@ def syntax_error(path: Path, text: str, error: yaml.MarkedYAMLError) -> YamlErro
         return YamlError(path, f"is not valid YAML: {shortened(problem)}")
     lines = [*text.splitlines(), ""]
     line, before, found = mark.line, lines[mark.line][: mark.column], text[mark.index :][:1]
-    if found == "\t":
+    if other_indentation(lines[line]):
+        problem = other_indentation(lines[line])
+    elif found == "\t":
         problem = "lines are indented by spaces, found a tab"
     elif problem.startswith("found character that cannot start"):
         problem = f"expected quotes around a text that begins with {found}"

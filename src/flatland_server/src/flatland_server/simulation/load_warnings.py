@@ -195,5 +195,6 @@ def _gap(footprint: Footprint, point: Point) -> float:
     starts = np.array(shape.vertices)
     sides = np.roll(starts, -1, axis=0) - starts
     ways = np.array(point) - starts
-    along = np.clip((ways * sides).sum(1) / (sides * sides).sum(1), 0.0, 1.0)
+    squares = np.maximum((sides * sides).sum(1), 1e-12)  # a point may be there twice
+    along = np.clip((ways * sides).sum(1) / squares, 0.0, 1.0)
     return float(np.hypot(*(ways - along[:, None] * sides).T).min())

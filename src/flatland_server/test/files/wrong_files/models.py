@@ -163,12 +163,12 @@ WRONG_MODELS: Dict[str, Case] = {
      "robot.model.yaml:45: plugins[0].odom_pose_covariance: expected a list of 36 numbers, found "
      '[0, "0 0", 0]\n'
      "robot.model.yaml:47: plugins[0].odom_twist_covariance: expected a list of 36 numbers, found "
-     '31 entries: [0, 0, 0, 0, 0, "0 0", 0, 0, 0, 0, "0 0", 0, ...]'),
+     '31 entries: [0, 0, 0, 0, 0, "0 0", 0, 0, 0, 0, "0 0", 0, ...'),
     "an unknown plugin nearly known": (MODEL, "type: DiffDrive", "type: DifDrive",
      'robot.model.yaml:42: plugins[0].type: unknown plugin type "DifDrive" (did you '
      f'mean "DiffDrive"?); there are: {PLUGINS}'),
     "a plugin in capitals": (MODEL, "type: Laser", "type: LASER",
-     'robot.model.yaml:47: plugins[1].type: unknown plugin type "LASER" (did you '
+     'robot.model.yaml:46: plugins[1].type: unknown plugin type "LASER" (did you '
      f'mean "Laser"?); there are: {PLUGINS}'),
     "a plugin of another package": (MODEL, "type: DiffDrive", "type: my_plugins::Diff",
      'robot.model.yaml:42: plugins[0].type: unknown plugin type "my_plugins::Diff" '

@@ -78,6 +78,8 @@ WRONG_WORLDS: Dict[str, Case] = {
     "a map of another extension": (WORLD, "map: lines.yaml", "map: lines.yml",
      "world.yaml:7: layers[1].map: expected a file, but lines.yml is not there (did you mean "
      '"lines.yaml"?)'),
+    "a map as in a launch file": (WORLD, "map: map.yaml", "map: $(find my_maps)/map.yaml",
+     'world.yaml:4: layers[0].map: expected package://name/path, found "$(find my_maps)/map.yaml"'),
     "an image for a map": (WORLD, "map: map.yaml", "map: map.PNG",
      'world.yaml:4: layers[0].map: expected a YAML file that names the image, found "map.PNG"'),
     "a map that is a folder": (WORLD, "map: map.yaml", "map: folder",
@@ -98,6 +100,9 @@ WRONG_WORLDS: Dict[str, Case] = {
      '"_", beginning with a letter, found "1 r"'),
     "a pose without yaw": (WORLD, "pose: [1, 2, 0.5]", "pose: [1, 2]",
      "world.yaml:12: models[0].pose: expected [x, y, yaw], found [1, 2]"),
+    "a pose beyond all maps": (WORLD, "pose: [1, 2, 0.5]", "pose: [1.0e+12, 2, 0.5]",
+     "world.yaml:12: models[0].pose: expected [x, y, yaw], numbers within 1e+09 of zero, found "
+     "[1.0e+12, 2, 0.5]"),
     "NaN in a pose": (WORLD, "pose: [1, 2, 0.5]", "pose: [1, 2, .nan]",
      "world.yaml:12: models[0].pose: expected [x, y, yaw], found [1, 2, .nan]"),
     "no file of a model": (WORLD, "    model: robot.model.yaml\n", "",
