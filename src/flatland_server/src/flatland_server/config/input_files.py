@@ -136,7 +136,10 @@ def why_not_a_file(path: Path) -> str:
 
 
 def similar_file(path: Path) -> str:
-    """A hint at a file beside a path that is not there: of a similar name, or another extension."""
+    """A hint at a file beside a path that is not there: of another case, or a similar name.
+
+    An image may have the extension of another image, but not `.yaml`.
+    """
     try:
         if path.exists():  # as a folder
             return ""
@@ -144,9 +147,13 @@ def similar_file(path: Path) -> str:
     except OSError:
         return ""
     names.sort(key=lambda each: each.suffix.lower() == path.suffix.lower())  # the last one counts
-    stems = {each.stem: each.name for each in names}
+    stems = {each.stem: each.name for each in names if _is_yaml(each) == _is_yaml(path)}
     near = nearest(path.stem, stems)
     return "" if near is None else f' (did you mean "{stems[near]}"?)'
+
+
+def _is_yaml(path: Path) -> bool:
+    return path.suffix.lower() in (".yaml", ".yml")
 
 
 def too_large(limit: int) -> str:
