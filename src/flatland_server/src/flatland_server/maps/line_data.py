@@ -50,6 +50,6 @@ def read_line_segments(path: Path) -> Tuple[Segments, IntArray]:
         numbers.append(number)
     if longer:
         rest = "" if len(longer) == 1 else f", and in {counted(len(longer) - 1, 'further line')}"
-        message = f'expected four numbers, x1 y1 x2 y2, found more{rest}: it is ignored'
+        message = f"expected four numbers, x1 y1 x2 y2, found more{rest}: it is ignored"
         warn_once(str(YamlError(path, message, longer[0])))
     return np.array(values, dtype=np.float64).reshape(-1, 4), np.array(numbers, dtype=np.intp)

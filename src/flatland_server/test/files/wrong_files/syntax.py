@@ -59,7 +59,8 @@ WRONG_SYNTAX: Dict[str, Case] = {
      "world.yaml:2: expected a map or a list of maps after <<"),
     "a key that begins with another space": (WORLD, None,
      "properties: {}\n\u00a0\u00a0layers: []\nlayers: []\n",
-     'world.yaml:2: unknown key "layers" (lines are indented by spaces, found the character U+00A0)'),
+     'world.yaml:2: unknown key "layers" (lines are indented by spaces, found the character '
+     "U+00A0)"),
     # Includes and expressions
     "an include that is not there": (WORLD, "[1, 2, 0.5]", "$include pose.yaml",
      "world.yaml:12: there is no file pose.yaml"),
