@@ -8,7 +8,7 @@ import io
 import threading
 from collections import OrderedDict
 from pathlib import Path
-from typing import Any, NamedTuple, Tuple
+from typing import Any, NamedTuple, Tuple, Union
 
 import yaml
 
@@ -147,7 +147,7 @@ def _checked_structure(path: Path, text: str, count_before: int) -> Tuple[int, b
     return count, is_plain and count <= MAX_ITEMS
 
 
-def _warn_of_tag(path: Path, event: yaml.Event) -> None:
+def _warn_of_tag(path: Path, event: Union[yaml.ScalarEvent, yaml.CollectionStartEvent]) -> None:
     """Warns of a tag that is none of YAML's own, such as `!degrees`."""
     tag = event.tag or "!"
     if tag.startswith("!") and tag != "!":
