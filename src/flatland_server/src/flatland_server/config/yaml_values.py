@@ -195,7 +195,7 @@ def floats_between(
             values = tuple(to_float(item) for item in node.value)
         except ConversionError:
             raise ConversionError(expected) from None
-        if not all(minimum <= value <= maximum for value in values):
+        if not all(math.isfinite(value) and minimum <= value <= maximum for value in values):
             raise ConversionError(expected)
         if not all(abs(value) <= LARGEST for value in values):
             raise ConversionError(f"{expected}, numbers within {LARGEST:g} of zero")

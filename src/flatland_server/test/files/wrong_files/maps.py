@@ -10,8 +10,8 @@ FORMATS = "BMP, GIF, JPEG, PNG, PPM, PCX, TGA, TIFF, WEBP"
 WRONG_MAPS: Dict[str, Case] = {
     # Maps of images
     "no image": (MAP, "image: map.png\n", "", 'map.yaml:1: the required key "image" is missing'),
-    "an image of the map's name": (MAP, "map.png", "lines.png",
-     "map.yaml:1: image: expected a file, but lines.png is not there"),
+    "an image of the world's name": (MAP, "map.png", "world.png",
+     "map.yaml:1: image: expected a file, but world.png is not there"),
     "an image of another extension": (MAP, "map.png", "MAP.pgm",
      'map.yaml:1: image: expected a file, but MAP.pgm is not there (did you mean "map.png"?)'),
     "an image that is not there": (MAP, "map.png", "office.png",
