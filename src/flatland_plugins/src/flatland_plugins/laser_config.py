@@ -46,7 +46,7 @@ class LaserConfig:
         angle_min = angle.get_float("min")
         angle_max = angle.get_float("max")
         increment = angle.get_float("increment")
-        if angle_max - angle_min > math.tau + 0.01:
+        if abs(angle_max - angle_min) > math.tau + 0.01:
             turn = f"{math.degrees(angle_max - angle_min):.4g} degrees"
             angle.warn(f"expected angles in rad, found a turn of {turn} from min to max", "max")
         angle.finish()

@@ -52,6 +52,9 @@ TRAPS = {
     "beams in degrees": (MODEL, "{min: -1, max: 1, increment: 0.1}",
      "{min: -90, max: 90, increment: 1}", "robot.model.yaml:50: plugins[1].angle.max: "
      "expected angles in rad, found a turn of 1.031e+04 degrees from min to max"),
+    "beams in degrees, clockwise": (MODEL, "{min: -1, max: 1, increment: 0.1}",
+     "{min: 90, max: -90, increment: -1}", "robot.model.yaml:50: plugins[1].angle.max: "
+     "expected angles in rad, found a turn of -1.031e+04 degrees from min to max"),
     "a radius in millimetres": (MODEL, "radius: 0.5", "radius: 500", 'robot.model.yaml:2: '
      'bodies[0] "base": expected metres, found a footprint 500 m away, in a world of 10 m'),
     "a place in millimetres": (WORLD, "[1, 2, 0.5]", "[1000, 2000, 0.5]",
