@@ -122,13 +122,13 @@ def test_environments_of_a_batch_have_different_masses_and_joints(world_of):
 @pytest.mark.parametrize("name", DRIVES)
 def test_a_batch_has_what_a_plugin_sets_when_it_starts(world_of, name):
     world = world_of(drive=name, others="\n  - {type: Rigger, name: rigger}")
-    with Simulation(world, loader=Loader()) as simulation:
-        with SimulationBatch(world, 3, loader=Loader()) as batch:
-            assert_goes_on(batch, simulation)
-            batch.reset()
-            simulation.reset()
-            assert simulation.models["robot"].model.base.physics_body.mass == 3.0
-            assert_goes_on(batch, simulation)
+    simulation = Simulation(world, loader=Loader())
+    with simulation, SimulationBatch(world, 3, loader=Loader()) as batch:
+        assert_goes_on(batch, simulation)
+        batch.reset()
+        simulation.reset()
+        assert simulation.models["robot"].model.base.physics_body.mass == 3.0
+        assert_goes_on(batch, simulation)
 
 
 def test_each_moment_has_those_that_it_had(world_of):

@@ -665,7 +665,7 @@ class Body(_WithoutConstructor):
     ) -> None:
         """Gives a dynamic body another mass than that of its fixtures.
 
-        It is in saved states. `reset_mass`, a further fixture with a density or another shape of one
+        It is in saved states. `reset_mass`, a further fixture with a density, another shape of one
         (`Model.set_footprint`) and a reset of the world end it. The velocity of the body's origin
         stays. A contact listener's mass counts from the end of the step on.
 

@@ -64,7 +64,9 @@ class Parts:
         self.tween.trigger(draw.random() < 0.7)
         for joint in (self.joints[0], self.joints[-1]):
             joint.motor = (draw.uniform(-3, 3), draw.random()) if draw.random() < 0.8 else None
-            joint.limits = (draw.uniform(-9, 0), draw.uniform(0, 9)) if draw.random() < 0.8 else None
+            joint.limits = (
+                (draw.uniform(-9, 0), draw.uniform(0, 9)) if draw.random() < 0.8 else None
+            )
         for body in self.bodies[10:20]:
             center = draw.uniform(-0.1, 0.1), draw.uniform(-0.1, 0.1)
             body.set_mass(draw.uniform(0.05, 0.3), inertia=draw.random(), local_center=center)

@@ -53,6 +53,7 @@ class JointConfig:
                 message = f"expected [lower, upper], found {lower:g} above {upper:g}"
                 reader.problem(message, "limits")
             limits = (lower, upper)
+            reader.warn_of_degrees(max(limits, key=abs), "limits")
         ends = reader.get_sections(
             "bodies", lambda section: _read_end(section, body_names), required=True
         )
