@@ -93,6 +93,7 @@ def _run(config: ServerConfig, simulate: Simulate, log: RecentLog) -> None:
         rospy_patches.install(config.rospy_patches),
         {"~no_return": config.no_return, "~static_tf": config.static_tf},
     )
+    transport.tf_by_namespace = config.tf_by_namespace
     shutdown.transport = transport
     LoadingPublisher()
     with transport.rospy_calls.batch_registration():

@@ -64,8 +64,10 @@ class Node:
         """The plugin: `model/plugin`, or the name of a plugin of the world."""
         self._frames = frames if frames is not None else FrameRegistry()
         self._topics = topics if topics is not None else TopicRegistry(transport)
-        has_own_tf = bool(self.namespace) and transport.tf_by_namespace
-        self._own_tf = NamespaceTransforms(transport, self.namespace) if has_own_tf else None
+        self._own_tf: Optional[NamespaceTransforms] = None
+        if self.namespace and transport.tf_by_namespace:
+            self._own_tf = NamespaceTransforms(transport, self.namespace)
+            self._frames = self._frames.within(self.namespace)
         self._tf: TransformSender = self._own_tf or transport
         self._publishers: List[Publisher] = []
         self._subscriptions: List[Subscription] = []
@@ -85,9 +87,7 @@ class Node:
             owner: name of that plugin, for warnings.
         """
         joined = "/".join(part for part in (self.namespace, namespace.strip("/")) if part)
-        has_own_tf = joined and self._transport.tf_by_namespace
-        frames = self._frames.within(joined) if has_own_tf else self._frames
-        return Node(self._transport, joined, owner, frames, self._topics)
+        return Node(self._transport, joined, owner, self._frames, self._topics)
 
     def name_frame(self, frame_id: str) -> str:
         """The name of a frame within the namespace: `<namespace>_<frame>`.
