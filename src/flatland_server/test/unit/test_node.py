@@ -168,8 +168,9 @@ def test_each_namespace_may_have_transforms_of_its_own(fleet, caplog):
 
 def test_two_publishers_of_a_frame_in_one_namespace_are_still_found(fleet, caplog):
     root = Node(fleet)
-    for plugin in ("drive", "tf"):
-        root.scoped("r1", f"r1/{plugin}").claim_frame("odom", "base")
+    nodes = [root.scoped("r1", f"r1/{plugin}") for plugin in ("drive", "tf")]
+    for node in nodes:
+        node.claim_frame("odom", "base")
 
     [message] = warnings(caplog)
     assert "switch one of them off" in message
