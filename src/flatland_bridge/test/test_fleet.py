@@ -16,7 +16,9 @@ TOLERANCE = 5.0  # s of real time, on a busy machine
 def fleet(world):
     """A world with a robot in a namespace besides the one without."""
     content = world.read_text()
-    world.write_text(f"{content}  - {{name: r1, namespace: r1, pose: [2, 0, 0], model: robot.model.yaml}}\n")
+    world.write_text(
+        f"{content}  - {{name: r1, namespace: r1, pose: [2, 0, 0], model: robot.model.yaml}}\n"
+    )
     return world
 
 

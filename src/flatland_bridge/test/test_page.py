@@ -153,7 +153,9 @@ def is_on_a_wall(point):
 def test_scans_are_drawn_where_the_robot_was(world, browser, transforms, namespace):
     model = ROBOT.replace("update_rate: 20", f"update_rate: 20\n    {transforms}")
     (world.parent / "robot.model.yaml").write_text(model)
-    world.write_text(world.read_text().replace("name: robot,", f"name: robot, namespace: '{namespace}',"))
+    world.write_text(
+        world.read_text().replace("name: robot,", f"name: robot, namespace: '{namespace}',")
+    )
     with running(world, tf_by_namespace=True) as server:
         client = Client(server)
         topic = f"/{namespace}/cmd_vel" if namespace else "/cmd_vel"

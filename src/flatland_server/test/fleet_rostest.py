@@ -3,6 +3,7 @@
 
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import rosgraph
@@ -49,8 +50,9 @@ class TransformsByNamespace(RecordingCase):
                 while seen != MOVING:
                     seen |= frames(self.moving[namespace].next())
                     self.assertLessEqual(seen, MOVING)
-                wait_until(lambda: self.static[namespace].messages, "static transforms")
-                self.assertEqual(frames(self.static[namespace].messages[-1]), STATIC)
+                static = self.static[namespace].messages
+                wait_until(partial(len, static), "static transforms")
+                self.assertEqual(frames(static[-1]), STATIC)
 
     def test_headers_have_frames_without_prefix(self):
         for namespace in ROBOTS:

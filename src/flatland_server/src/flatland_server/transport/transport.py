@@ -153,7 +153,7 @@ class Transport(TransformSender):
 
     @property
     def sends_bytes(self) -> bool:
-        """True if messages leave as bytes, which the core may write, and `flush` follows each step."""
+        """True if messages leave as bytes, so that the core may write them, and each step flushes."""
         return False
 
     @property
@@ -236,8 +236,8 @@ class Transport(TransformSender):
     def flush(self) -> None:
         """Sends what was collected during the step, and resets the count of arrivals."""
 
-    def release(self) -> None:  # noqa: B027 (nothing to do if messages are not sent)
+    def release(self) -> None:
         """Sends the messages that were held back."""
 
-    def discard(self) -> None:  # noqa: B027 (nothing to do if subscriptions drop them)
+    def discard(self) -> None:
         """Drops the remains of the former world, such as messages that are not delivered yet."""
