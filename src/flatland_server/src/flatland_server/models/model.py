@@ -146,6 +146,7 @@ class Model(Entity):
         entities: the entities of that world; the model adds itself.
         change: makes a change that ends contacts, now or at the end of the step; also gets the log
             message for a failure then.
+        tf_by_namespace: as of `Transport`.
 
     Attributes:
         namespace: without a "/" at its ends, and without "~".
