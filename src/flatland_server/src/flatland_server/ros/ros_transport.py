@@ -161,8 +161,9 @@ class RosTransport(ThreadCalls, Transport):
 
     def flush(self) -> None:
         self.arrivals.next_step()
-        for send in self.on_flush:
-            send()
+        if self.on_flush:
+            for send in self.on_flush:
+                send()
         message = self._transforms.take()
         if message:
             if not self._outbox.is_open:

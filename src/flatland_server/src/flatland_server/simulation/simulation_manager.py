@@ -10,7 +10,7 @@ from flatland_server.simulation.command_wait import CommandWait
 from flatland_server.simulation.pacer import Pacer
 from flatland_server.simulation.run_with_history import RunWithHistory
 from flatland_server.simulation.step_request import StepRequest
-from flatland_server.simulation.wall_timekeeper import WallTimekeeper
+from flatland_server.simulation.wall_timekeeper import WallPacer, WallTimekeeper
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 
@@ -45,7 +45,9 @@ class SimulationManager(RunWithHistory):
         if not update_rate > 0:
             raise ValueError(f"expected an update rate above 0 Hz, found {update_rate}")
         super().__init__(world, timekeeper)
-        self._wall = timekeeper if isinstance(timekeeper, WallTimekeeper) else None
+        self._pacer = Pacer(clock)
+        if isinstance(timekeeper, WallTimekeeper):
+            self._pacer = WallPacer(timekeeper, clock)
         self.change_rate(update_rate * timekeeper.step_size)
         self.is_paused = False
         self.is_held = False
@@ -59,7 +61,6 @@ class SimulationManager(RunWithHistory):
         if math.isfinite(command_age):
             steps = max(1, round(command_age / timekeeper.step_size))
             self._command_wait = CommandWait(world.transport.arrivals, steps, clock)
-        self._pacer = Pacer(clock)
         self.after_jump.append(lambda: self._pacer.start(self.timekeeper.seconds))
         self._request: Optional[StepRequest] = None
 
@@ -90,7 +91,7 @@ class SimulationManager(RunWithHistory):
         """
         if not rate > 0:
             raise ValueError(f"expected a rate above 0, found {rate}")
-        if self._wall is not None and not math.isclose(rate, 1.0, rel_tol=1e-6):
+        if isinstance(self._pacer, WallPacer) and not math.isclose(rate, 1.0, rel_tol=1e-6):
             raise UsageError(
                 f"expected a rate of 1, since messages are stamped with real time, found {rate:g}"
             )
@@ -238,8 +239,6 @@ class SimulationManager(RunWithHistory):
             request.finish(self.timekeeper.nanoseconds)
 
     def _step(self) -> None:
-        if self._wall is not None:  # steps that are requested have no due time
-            self._wall.follow(self._pacer.lateness if self._request is None else 0.0)
         self._step_up_to(1)
         for callback in self.after_step:
             callback()

@@ -4,6 +4,7 @@ import time
 from typing import Callable
 
 from flatland_server.messages.stamps import set_stamp_offset, stamp_offset
+from flatland_server.simulation.pacer import Pacer
 from flatland_server.timekeeper import Timekeeper
 
 _TOLERANCE = 10_000_000
@@ -30,9 +31,7 @@ class WallTimekeeper(Timekeeper):
         set_stamp_offset(clock())
 
     def follow(self, lateness: float = 0.0) -> None:
-        """Advances the stamps to real time if they lag behind it, as after a pause.
-
-        To be called before a step.
+        """Advances the stamps to real time if they lag behind it, as in a pause.
 
         Args:
             lateness: real time since the step was due [s].
@@ -50,3 +49,23 @@ class WallTimekeeper(Timekeeper):
         set_stamp_offset(stamp_offset() + self.nanoseconds - nanoseconds)
         super().jump_to(nanoseconds)
         self.follow()
+
+
+class WallPacer(Pacer):
+    """A pacer that brings the stamps up to date before each step, and during a pause.
+
+    Args:
+        timekeeper: has the stamps.
+        clock: returns the real time [s], as of `Pacer`.
+    """
+
+    def __init__(self, timekeeper: WallTimekeeper, clock: Callable[[], float]) -> None:
+        super().__init__(clock)
+        self._timekeeper = timekeeper
+
+    def begin_step(self, is_paused: bool) -> bool:
+        """True if a step is to be made now; those that are requested in a pause have no due time."""
+        is_due = super().begin_step(is_paused)
+        if is_due or is_paused:
+            self._timekeeper.follow(self.lateness if is_due else 0.0)
+        return is_due

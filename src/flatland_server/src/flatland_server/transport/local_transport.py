@@ -204,8 +204,9 @@ class LocalTransport(Transport):
                 callback(message)
 
     def flush(self) -> None:
-        for send in self.on_flush:
-            send()
+        if self.on_flush:
+            for send in self.on_flush:
+                send()
         if self._published:
             self._deliver()
         self.arrivals.next_step()

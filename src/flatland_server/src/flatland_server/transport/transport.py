@@ -153,7 +153,7 @@ class Transport(TransformSender):
 
     @property
     def sends_bytes(self) -> bool:
-        """True if messages leave as bytes, so that the core may write them, and each step flushes."""
+        """True if messages leave as bytes, which the core may write, and each step ends by `flush`."""
         return False
 
     @property
