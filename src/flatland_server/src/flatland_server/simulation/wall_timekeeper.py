@@ -64,7 +64,7 @@ class WallPacer(Pacer):
         self._timekeeper = timekeeper
 
     def begin_step(self, is_paused: bool) -> bool:
-        """True if a step is to be made now; those that are requested in a pause have no due time."""
+        """True if a step is to be made now; steps that are requested have no due time."""
         is_due = super().begin_step(is_paused)
         if is_due or is_paused:
             self._timekeeper.follow(self.lateness if is_due else 0.0)

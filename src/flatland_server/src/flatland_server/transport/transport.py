@@ -153,7 +153,7 @@ class Transport(TransformSender):
 
     @property
     def sends_bytes(self) -> bool:
-        """True if messages leave as bytes, which the core may write, and each step ends by `flush`."""
+        """True if messages leave as bytes, which the core may write; each step ends by a flush."""
         return False
 
     @property
