@@ -96,7 +96,7 @@ class Output:
         self._graph = graph
         self._topic = topic
         self._profile = profile
-        length = 1 if profile.is_latched else None
+        length = 1 if profile.is_latched else 0
         self._budget = Budgets().open()
         self._stream = Stream(lambda sample: (), wake, self._budget, length=length)
         self._end: Optional[Callable[[], None]] = None

@@ -1,11 +1,10 @@
 """The topics and services of a simulation in this process."""
 
-import logging
 import threading
 from concurrent.futures import Future
 from functools import partial
 from pathlib import Path
-from typing import Any, Callable, Dict, FrozenSet, List, Optional, Tuple, TypeVar
+from typing import Any, Callable, Dict, FrozenSet, List, Optional, Set, Tuple, TypeVar
 
 from flatland_bridge.budget import Budget
 from flatland_bridge.client_calls import let_the_next_begin
@@ -14,7 +13,6 @@ from flatland_bridge.message_size import size_of
 from flatland_bridge.shared_transport import SharedTransport
 from flatland_bridge.simulation_interfaces import SimulationInterfaces
 from flatland_server.config.shipped_worlds import shipped_worlds
-from flatland_server.exceptions import FlatlandError, shortened
 from flatland_server.geometry import Transform
 from flatland_server.messages.message_types import TYPES, get
 from flatland_server.messages.service_types import ServiceType
@@ -37,8 +35,6 @@ from flatland_server.simulation.wall_timekeeper import WallTimekeeper
 from flatland_server.simulation.world import World
 from flatland_server.transport.serialized_transforms import TransformQueue
 from flatland_server.transport.tap import Tap
-
-logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
 
@@ -70,9 +66,11 @@ class SimulatedGraph(Graph, Tap):
     ) -> None:
         assert isinstance(manager.transport, SharedTransport)
         self._transport = manager.transport
+        self.parameters = self._transport.parameters
         self._manager = manager
         self._failures = self._transport.failures
         self._receivers: Dict[str, Tuple[Receive, ...]] = {}
+        self._open: Set[Tuple[str, Receive]] = set()  # subscriptions that have not ended
         self._lock = threading.Lock()  # with which alone topics come and go there
         self._wanted: FrozenSet[str] = frozenset()  # topics, as the transport knows them
         self._host = _Host(self._transport, with_states=state_folder is not None)
@@ -123,28 +121,31 @@ class SimulatedGraph(Graph, Tap):
     def subscribe(
         self, topic: str, receive: Receive, client: Optional[Budget] = None
     ) -> Callable[[], None]:
-        is_open = True
+        key = topic, receive
 
         def begin() -> None:
             with self._lock:
-                if not is_open:
+                if key not in self._open:
                     return
-                self._receivers[topic] = (*self._receivers.get(topic, ()), receive)
+                receivers = self._receivers.get(topic, ())
+                if receive not in receivers:
+                    self._receivers[topic] = (*receivers, receive)
             self._follow_subscribers()
             last = self._transport.last_latched(topic)
             if last is not None:
                 receive(self._sample(topic, last, is_latched=True))
 
         def end() -> None:
-            nonlocal is_open
             with self._lock:  # at once: a client may be gone, and the simulation busy
-                is_open = False
+                self._open.discard(key)
                 receivers = self._receivers.pop(topic, ())
-                rest = tuple(each for each in receivers if each is not receive)
+                rest = tuple(each for each in receivers if each != receive)
                 if rest:
                     self._receivers[topic] = rest
 
-        self._transport.post(begin, client)
+        with self._lock:
+            self._transport.post(begin, client)
+            self._open.add(key)
         return end
 
     def publish(self, topic: str, message: Any, client: Optional[Budget] = None) -> None:
@@ -168,14 +169,7 @@ class SimulatedGraph(Graph, Tap):
             raise
 
     def call(self, service: str, request: Any) -> Any:
-        kind = self.service_type(service)
-        try:
-            response = answer(kind, self._host.actions[service], request)
-        except FlatlandError:
-            raise
-        except Exception as error:  # the client would wait for ever
-            logger.exception("%s has failed", service)
-            raise BridgeError(f"{service} has failed: {shortened(repr(error))}") from None
+        response = answer(self.service_type(service), self._host.actions[service], request)
         if getattr(response, "success", True):
             self._transport.call(self._follow_topics)  # so that the client finds new ones at once
         return response
