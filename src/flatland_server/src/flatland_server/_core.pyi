@@ -715,6 +715,9 @@ class RelativePoses(metaclass=_Metaclass):
         such yaws.
         """
 
+def set_stamp_offset(nanoseconds: int) -> None:
+    """Sets the difference between stamps and simulated time [ns], of all messages written here."""
+
 class BodyMessage(metaclass=_Metaclass):
     """The bytes of a message with present poses and velocities of bodies among constants.
 

@@ -79,6 +79,7 @@ class _Transport(LocalTransport):
     def __init__(self, original: Transport) -> None:
         super().__init__({}, ())
         self._original = original
+        self.tf_by_namespace = original.tf_by_namespace
         self._is_delivering = original.delivers_own
 
     @property

@@ -55,6 +55,7 @@ class WorldContents:
         self.config = config = config.for_seed(seed)
         self.seed = seed
         self.physics = _core.World(config.velocity_iterations, config.position_iterations)
+        self._tf_by_namespace = transport.tf_by_namespace
         self.entities = Entities()
         self.models: Dict[str, Model] = {}
         self.layers: List[Layer] = []
@@ -115,6 +116,7 @@ class WorldContents:
             self.config.registry,
             self.entities,
             self.deferred.change_shapes,
+            self._tf_by_namespace,
         )
         self.models[name] = model
         with self.deferred.changing(name):
