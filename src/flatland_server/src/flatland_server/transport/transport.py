@@ -7,12 +7,15 @@ not use a transport itself but its `Node`, and so runs with either of them.
 
 import math
 from abc import ABC, abstractmethod
-from typing import Any, Callable, Iterable, Optional, Sequence, Tuple
+from typing import Any, Callable, Iterable, Optional, Sequence, Tuple, Union
 
 from flatland_server._core import BodyMessage, RelativePoses, StepMessage
 from flatland_server.geometry import Pose, Transform
 from flatland_server.transport.arrivals import Arrivals
 from flatland_server.transport.message_writer import MessageWriter
+
+Recipient = Union[str, Tuple[str, str]]
+"""A topic with subscribers, or a plugin: the name of its model, and its own."""
 
 
 class Publisher(ABC):
@@ -109,7 +112,8 @@ class Transport(ABC):
             same, `process` and `flush` have nothing to do. NaN, which equals nothing, if a
             transport does not know.
         arrivals: the subscriptions with a message since the last step.
-        on_message: called before plugins get a message from outside, with its topic, if set.
+        on_input: if set, called with what comes to plugins from outside: a topic and a message, or
+            the names of a model and its plugin and the values of a command.
         returns_on_arrival: whether `process` returns once callbacks have run, instead of waiting
             for its timeout.
     """
@@ -117,13 +121,8 @@ class Transport(ABC):
     def __init__(self) -> None:
         self.activity = math.nan
         self.arrivals = Arrivals()
-        self.on_message: Optional[Callable[[str, Any], None]] = None
+        self.on_input: Optional[Callable[[Recipient, Any], None]] = None
         self.returns_on_arrival = False
-
-    @property
-    def delivers_own(self) -> bool:
-        """True if plugins get the messages of other plugins at once, and not from outside."""
-        return False
 
     @property
     def node_name(self) -> str:
