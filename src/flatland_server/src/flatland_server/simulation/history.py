@@ -209,7 +209,7 @@ class History:
             self._pack()
             self._add(state, is_state=True, is_needed=is_needed)
         self._seen, self._due = self._changes, now + self._interval
-        self._next = begin + (monotonic() - begin) * (1.0 + 1.0 / self._share)
+        self._next = begin + (monotonic() - begin) / self._share
 
     def _pack(self) -> None:
         if self._inputs and self._entries:
@@ -234,7 +234,7 @@ class History:
         if self._size > self._memory and len(states) > 1:
             self._set(self._entries[states[(len(states) + 3) // 4] :])
         elif self._size > self._memory and len(self._entries) > 1:  # as in a long pause
-            self._forget(StateError("the commands and messages since then fill the memory"))
+            self._forget()
 
     def _set(self, entries: List[_Entry]) -> None:
         self._entries = entries
