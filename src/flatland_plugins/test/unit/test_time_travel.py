@@ -207,6 +207,45 @@ def test_going_on_from_one_moment_again_and_again_needs_no_more_memory(simulatio
     assert sizes[-1] < 1.2 * sizes[0]
 
 
+@pytest.mark.parametrize("time", [1.05, 1.15])
+def test_the_moment_from_which_a_run_went_on_is_not_thinned_out(simulation, time):
+    history = simulation.keep_history(interval=0.1, memory=20_000)
+    turn_at_random(simulation, 60, np.random.default_rng(0))
+    simulation.seek(time)
+    seen = turn_at_random(simulation, 300, np.random.default_rng(1))
+
+    assert history.begin == 0.0
+    for each in list(seen)[:20]:
+        assert (simulation.seek(each).poses == seen[each]).all()
+
+
+def turn_at_random(simulation, rounds, rng):
+    """Commands the robot every 0.05 s; returns the poses by time."""
+    seen = {}
+    for turn in rng.uniform(-1.0, 1.0, rounds):
+        simulation.models["robot"].command(0.5, turn)
+        simulation.step(10)
+        seen[simulation.time] = simulation.poses
+    return seen
+
+
+def test_states_are_thinned_out_after_the_oldest_were_forgotten(simulation):
+    history, rng = simulation.keep_history(interval=0.1, memory=20_000), np.random.default_rng(0)
+    while history.begin == 0.0:
+        for vx, turn in rng.uniform(-1.0, 1.0, (20, 2)):
+            simulation.publish("cmd_vel", twist(vx, turn))
+        simulation.step(10)
+    seen = {simulation.time: simulation.poses}
+    begin = history.begin
+    while history.begin == begin and simulation.time < 100.0:
+        simulation.step(100)
+        seen[simulation.time] = simulation.poses
+
+    for time in [each for each in seen if each >= history.begin]:
+        assert (simulation.seek(time).poses == seen[time]).all()
+    assert simulation.seek(history.begin).time == history.begin
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_a_run_that_goes_back_and_on_at_random_is_what_it_was(world_of, seed):
     """With commands, messages, spawns and moves, in a memory that is soon full."""
