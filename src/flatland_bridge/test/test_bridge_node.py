@@ -4,16 +4,21 @@ import json
 import os
 import re
 import signal
+import socket
 import struct
 import subprocess
+import threading
 from types import SimpleNamespace
 
 import pytest
+import tcpros_client
 from bridge_clients import Client
 from ros_processes import executable
+from rosgraph.network import encode_ros_handshake_header
 from running_server import ROBOT
 from test_foxglove import Viewer
 from test_greedy_clients import ask_until_closed, send_parts_of_messages
+from test_parameters import asked, check_limit, check_parameters, value_of
 from waiting import wait_until
 from websockets.exceptions import ConnectionClosed
 
@@ -167,6 +172,98 @@ def test_an_advertised_topic_ends_with_its_last_client(bridge):
     wait_until(lambda: not is_there(), "the topic to end")
 
 
+def test_a_publisher_that_was_not_advertised_ends_with_its_client(master, bridge):
+    master.ask("registerSubscriber", "/note", "std_msgs/String", "http://127.0.0.1:9/")
+    client = Client(bridge)
+    wait_until(lambda: "/note" in types_of(client), "the topic")
+
+    def publishers():
+        return [nodes for topic, nodes in master.ask("getSystemState")[0] if topic == "/note"]
+
+    client.send("publish", topic="/note", msg={"data": "hello"})
+    wait_until(lambda: publishers() == [["/bridge"]], "the publisher")
+    client.send("publish", topic="/note", msg={"data": "again"})
+    client.call("/rosapi/nodes")
+    client.socket.close()
+    wait_until(lambda: publishers() == [], "the publisher to end")
+
+
+def types_of(client):
+    """The types of topics that a client sees, by name."""
+    found = client.call("/rosapi/topics")["values"]
+    return dict(zip(found["topics"], found["types"]))
+
+
+def test_nodes_are_those_of_the_master(bridge):
+    client = Client(bridge)
+    for service, arguments, expected in (
+        ("service_providers", {"service": "flatland_msgs/Step"}, ["/flatland_server"]),
+        ("service_node", {"service": "/step"}, "/flatland_server"),
+        ("service_node", {"service": "/bridge/get_loggers"}, "/bridge"),
+        ("subscribers", {"topic": "/clock"}, ["/bridge"]),
+        ("publishers", {"topic": "/clock"}, ["/flatland_server"]),
+    ):
+        values = client.call(f"/rosapi/{service}", **arguments)["values"]
+        assert list(values.values()) == [expected], service
+    assert {"/flatland_server", "/bridge"} <= set(client.call("/rosapi/nodes")["values"]["nodes"])
+
+
+def test_parameters_are_those_of_the_master(master, bridge):
+    client = Client(bridge)
+    check_parameters(client, "/bridge")
+    check_limit(client)
+    asked(client, "set_param", name="/x", value='{"y": 7}')
+
+    assert master.ask("getParam", "/x/y") == 7
+    master.ask("setParam", "/x/y", 8)
+    assert value_of(client, "/x/y") == 8
+
+
+class SilentService:
+    """A service whose server answers the headers of connections, and then nothing."""
+
+    def __init__(self, master, name):
+        self.begun, self.ended = [], []  # calls, by the addresses of their connections
+        self._listening = socket.create_server(("127.0.0.1", 0))
+        uri = f"rosrpc://127.0.0.1:{self._listening.getsockname()[1]}"
+        master.ask("registerService", name, uri, "http://127.0.0.1:9/", caller="/silent")
+        threading.Thread(target=self._accept, daemon=True).start()
+
+    def _accept(self):
+        while True:
+            connection = self._listening.accept()
+            threading.Thread(target=self._serve, args=connection, daemon=True).start()
+
+    def _serve(self, connection, address):
+        header = tcpros_client.read_header(connection)
+        fields = {"callerid": "/silent", "type": "std_srvs/Empty", "md5sum": header["md5sum"]}
+        connection.sendall(encode_ros_handshake_header(fields))
+        if "probe" in header:
+            connection.close()
+            return
+        self.begun.append(address)
+        while connection.recv(1000):
+            pass
+        self.ended.append(address)
+
+
+def test_calls_that_are_never_answered_end_with_their_client(master, start_bridge):
+    service = SilentService(master, "/silent")
+    bridge = start_bridge()
+    client, other = Client(bridge), Client(bridge)
+    wait_until(lambda: "/silent" in client.call("/rosapi/services")["values"]["services"], "it")
+    for each in (client, other):
+        for _ in range(4):
+            each.send("call_service", service="/silent")
+    wait_until(lambda: len(service.begun) == 8, "the calls")
+
+    client.socket.close()
+
+    wait_until(lambda: len(service.ended) == 4, "the calls of the client that has left to end")
+    other.socket.close()
+    wait_until(lambda: len(service.ended) == 8, "the calls of the other")
+
+
 def test_a_server_that_is_stopped_does_not_delay_the_node(start_server, start_bridge):
     server = start_server()
     server.process.send_signal(signal.SIGSTOP)
@@ -205,6 +302,8 @@ def test_a_master_that_is_stopped_stops_no_client(master, bridge):
         assert client.call("/rosapi/topics")["result"]
         assert client.call("/toggle_pause")["result"]
         assert client.call("/toggle_pause")["result"]
+        refused = client.call("/rosapi/set_param", name="/x", value="1")
+        assert refused["values"] == "the ROS master does not answer"
         client.kept.clear()
         assert client.next_of("/clock")
     finally:

@@ -2,12 +2,18 @@
 
 import base64
 import json
+import queue
+import struct
 import subprocess
 import sys
 
 import numpy as np
 import pytest
 from bridge_clients import Client, running
+from test_foxglove import Viewer
+
+from flatland_bridge.call_topics import CALLS, RESPONSES, CallTopics
+from flatland_server import messages
 
 
 def test_a_client_sees_topics_types_and_services(client):
@@ -208,6 +214,11 @@ drive.publish(roslibpy.Message({"linear": {"x": 1.0}}))
 step = roslibpy.Service(ros, "/step", "flatland_msgs/Step")
 assert step.call(roslibpy.ServiceRequest({"steps": 200}))["success"]
 assert done.wait(20)
+ros.set_param("/robot/speed", {"max": 1.5})
+assert ros.get_param("/robot/speed/max") == 1.5
+assert ros.get_params() == ["/robot/speed/max"]
+ros.delete_param("/robot/speed")
+assert ros.get_param("/robot/speed") is None
 print(len(got[0]["ranges"]))
 ros.terminate()
 """
@@ -223,10 +234,40 @@ def test_roslibpy_lists_subscribes_publishes_and_calls(world):
     assert result.stdout.strip() == "401", result.stderr
 
 
-def test_a_service_that_breaks_down_is_answered(server, client, monkeypatch):
+def test_a_service_that_breaks_down_is_answered_in_each_protocol(server, client, monkeypatch):
     monkeypatch.setitem(server.graph._host.actions, "/pause", lambda request: 1 / 0)
+    expected = "/pause has failed: ZeroDivisionError('division by zero')"
+    viewer, topics, answers = Viewer(server), CallTopics(server.graph), queue.Queue()
 
     response = client.call("/pause")
+    call = struct.pack("<BIII", 2, viewer.services["/pause"]["id"], 7, 4) + b"json{}"
+    viewer.socket.send(call)
+    topics.subscribe(RESPONSES, answers.put)
+    topics.publish(CALLS, messages.get("std_msgs/String")('{"service": "/pause"}'))
 
-    assert not response["result"]
-    assert response["values"] == "/pause has failed: ZeroDivisionError('division by zero')"
+    assert (response["result"], response["values"]) == (False, expected)
+    assert viewer.receive_text("serviceCallFailure")["message"] == expected
+    answer = json.loads(answers.get(timeout=20).message.data)
+    assert (answer["result"], answer["values"]) == (False, expected)
+    topics.close()
+
+
+def test_nodes_are_found_by_what_they_offer(client):
+    node = "/flatland_server"
+    for service, arguments, expected in (
+        ("nodes", {}, {"nodes": [node]}),
+        ("service_providers", {"service": "flatland_msgs/Step"}, {"providers": [node]}),
+        ("service_providers", {"service": "std_srvs/Nope"}, {"providers": []}),
+        ("service_node", {"service": "/step"}, {"node": node}),
+        ("service_node", {"service": "/nope"}, {"node": ""}),
+        ("publishers", {"topic": "/scan"}, {"publishers": [node]}),
+        ("publishers", {"topic": "/cmd_vel"}, {"publishers": []}),
+        ("subscribers", {"topic": "/cmd_vel"}, {"subscribers": [node]}),
+    ):
+        assert client.call(f"/rosapi/{service}", **arguments)["values"] == expected
+    details = client.call("/rosapi/node_details", node=node)["values"]
+    assert "/scan" in details["publishing"]
+    assert "/cmd_vel" in details["subscribing"]
+    assert "/step" in details["services"]
+    nothing = {"publishing": [], "subscribing": [], "services": []}
+    assert client.call("/rosapi/node_details", node="/other")["values"] == nothing

@@ -113,9 +113,9 @@ def test_all_problems_are_printed_with_line_and_column(good_files, check):
     assert answer.stdout == ""
     assert answer.returncode == 1
     assert answer.stderr.splitlines() == [
-        'world.yaml:5:12: layers[0].color: expected [r, g, b, alpha], found "grey"',
+        'world.yaml:5:12: layers[0].color: expected [r, g, b, alpha], each 0 to 1, found "grey"',
         "map.yaml:1:8: image: expected a file, but office.png is not there",
-        'lines.dat:2: expected "x1 y1 x2 y2", found "2 3 -1"',
+        'lines.dat:2: expected four numbers, x1 y1 x2 y2, found "2 3 -1"',
         "world.yaml:12:11: models[0].pose: expected [x, y, yaw], found [1, 2]",
         "robot.model.yaml:11:17: bodies[0].footprints[0].radius: "
         "expected a number above 0, found -0.5",

@@ -1,5 +1,6 @@
 """Services as topics, for transports without services."""
 
+import logging
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Callable, Dict, List, Optional
@@ -12,6 +13,8 @@ from flatland_bridge.plain_form import from_plain, to_plain
 from flatland_server.exceptions import FlatlandError, shortened
 from flatland_server.messages.message_types import get
 from flatland_server.messages.service_types import ServiceType
+
+logger = logging.getLogger(__name__)
 
 String = get("std_msgs/String")
 
@@ -35,6 +38,7 @@ class CallTopics(Graph):
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
+        self.parameters = graph.parameters
         self._pool = ThreadPoolExecutor(_WORKERS, "call")
         self._free = threading.Semaphore(_MOST_CALLS)
         self._receivers: List[Receive] = []
@@ -97,6 +101,9 @@ class CallTopics(Graph):
             response["values"] = f"expected JSON: {shortened(str(error))}"
         except FlatlandError as error:
             response["values"] = str(error)
+        except Exception as error:  # the caller would wait for ever
+            logger.exception("%s has failed", response["service"])
+            response["values"] = f"{response['service']} has failed: {shortened(repr(error))}"
         data = orjson.dumps(response, option=orjson.OPT_SERIALIZE_NUMPY).decode()
         sample = Sample(RESPONSES, self.nanoseconds, String, String(data))
         for receive in self._receivers:

@@ -7,11 +7,11 @@ from collections import deque
 from concurrent.futures import Executor, Future
 from contextlib import suppress
 from functools import partial
-from typing import Callable, Deque, Iterable, NamedTuple
+from typing import Callable, Deque, Iterable, NamedTuple, Optional
 
 from flatland_bridge.budget import ENTRY, Budget
-from flatland_bridge.graph import BridgeError
 from flatland_bridge.outbox import Data, Outbox
+from flatland_server.exceptions import FlatlandError, shortened
 
 logger = logging.getLogger(__name__)
 
@@ -22,20 +22,36 @@ MOST_AT_ONCE = 4
 
 Answer = Callable[[], Iterable[Data]]
 """Makes a call, on a thread of the pool. Returns what the client is sent."""
+Refuse = Callable[[str], Iterable[Data]]
+"""What the client is sent if its call fails, of the reason."""
 
-_thread = threading.local()
+
+class _Call(NamedTuple):
+    service: str
+    size: int
+    answer: Answer
+    refuse: Refuse
+
+
+class _Thread(threading.local):
+    """The call that a thread of the pool makes."""
+
+    calls: "Optional[ClientCalls]" = None
+    call: Optional[_Call] = None
+
+
+_thread = _Thread()
 
 
 def let_the_next_begin() -> None:
     """Lets the next call of the same client begin: that of this thread only waits, as /step may."""
-    leave = getattr(_thread, "leave", None)
-    if leave is not None:
-        leave()
+    if _thread.calls is not None:
+        _thread.calls.let_next_begin(_thread.call)
 
 
-class _Call(NamedTuple):
-    size: int
-    answer: Answer
+def client_is_gone() -> bool:
+    """True on a thread that makes a call whose client has left: nobody waits for the answer."""
+    return _thread.calls is not None and _thread.calls.is_closed
 
 
 class ClientCalls:
@@ -45,6 +61,9 @@ class ClientCalls:
         pool: has `MOST_AT_ONCE` threads for each client.
         budget: of the client, which is closed after the client's last call.
         outbox: gets the answers.
+
+    Attributes:
+        is_closed: whether the client has left.
     """
 
     def __init__(self, pool: Executor, budget: Budget, outbox: Outbox) -> None:
@@ -54,28 +73,28 @@ class ClientCalls:
         self._loop = asyncio.get_running_loop()
         self._waiting: Deque[_Call] = deque()
         self._going_on = 0
-        self._working: object = None  # the call that the next one waits for
-        self._is_closed = False
+        self._working: Optional[_Call] = None  # the call that the next one waits for
+        self.is_closed = False
 
-    def add(self, size: int, answer: Answer) -> None:
-        """Adds a call.
+    def add(self, service: str, size: int, answer: Answer, refuse: Refuse) -> None:
+        """Adds a call, which is refused if the client makes too many at a time.
 
         Args:
+            service: its name.
             size: bytes of the call.
-            answer: makes it.
-
-        Raises:
-            BridgeError: the client makes too many calls at a time.
+            answer: makes it; may raise any exception.
+            refuse: called on the same thread as `answer`, or on this one.
         """
         if len(self._waiting) + self._going_on >= MOST_CALLS:
-            raise BridgeError(f"a client may make {MOST_CALLS} calls at a time")
+            self._reply(refuse(f"a client may make {MOST_CALLS} calls at a time"))
+            return
         self._budget.hold(size + ENTRY)
-        self._waiting.append(_Call(size, answer))
+        self._waiting.append(_Call(service, size, answer, refuse))
         self._begin_next()
 
     def close(self) -> None:
         """Drops the calls that wait; those that go on end without an answer."""
-        self._is_closed = True
+        self.is_closed = True
         self._waiting.clear()
         if not self._going_on:
             self._budget.close()
@@ -89,13 +108,22 @@ class ClientCalls:
 
     def _make(self, call: _Call) -> Iterable[Data]:
         """Makes a call, on a thread of the pool."""
-        _thread.leave = lambda: self._soon(partial(self._leave, call))
+        _thread.calls, _thread.call = self, call
         try:
             return call.answer()
+        except FlatlandError as error:
+            return call.refuse(str(error))
+        except Exception as error:  # the client would wait for ever
+            logger.exception("%s has failed", call.service)
+            return call.refuse(f"{call.service} has failed: {shortened(repr(error))}")
         finally:
-            _thread.leave = None
+            _thread.calls = _thread.call = None
 
-    def _leave(self, call: _Call) -> None:
+    def let_next_begin(self, call: Optional[_Call]) -> None:
+        """Lets the call after one begin; for any thread."""
+        self._soon(partial(self._leave, call))
+
+    def _leave(self, call: Optional[_Call]) -> None:
         if self._working is call:
             self._working = None
             self._begin_next()
@@ -103,18 +131,17 @@ class ClientCalls:
     def _end(self, call: _Call, done: "Future[Iterable[Data]]") -> None:
         self._going_on -= 1
         self._budget.hold(-call.size - ENTRY)
-        if self._is_closed:
+        if self.is_closed:
             if not self._going_on:
                 self._budget.close()
             return
-        error = done.exception()
-        if error is None:
-            for data in done.result():
-                self._outbox.reply(data)
-        else:
-            logger.error("a call was not answered", exc_info=error)
+        self._reply(done.result())
         self._leave(call)
         self._begin_next()
+
+    def _reply(self, answer: Iterable[Data]) -> None:
+        for data in answer:
+            self._outbox.reply(data)
 
     def _soon(self, action: Callable[[], None]) -> None:
         """Calls something on the event loop's thread."""

@@ -60,7 +60,7 @@ def default_profile(topic: str, kind: str, is_latched: bool) -> Profile:
         return Profile(depth=1, is_latched=True)
     if kind.startswith("sensor_msgs/") and kind != "sensor_msgs/JointState":
         return Profile(depth=5, is_reliable=False)
-    return Profile(depth=100 if topic == "/tf" else 10)
+    return Profile(depth=100 if topic.endswith("/tf") else 10)
 
 
 def open_writer(
@@ -96,7 +96,7 @@ class Output:
         self._graph = graph
         self._topic = topic
         self._profile = profile
-        length = 1 if profile.is_latched else None
+        length = 1 if profile.is_latched else 0
         self._budget = Budgets().open()
         self._stream = Stream(lambda sample: (), wake, self._budget, length=length)
         self._end: Optional[Callable[[], None]] = None

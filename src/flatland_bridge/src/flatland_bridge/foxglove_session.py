@@ -6,7 +6,6 @@ with `ros1msg` schemas; clients may also send JSON.
 
 import asyncio
 import itertools
-import logging
 import struct
 import uuid
 from concurrent.futures import Executor
@@ -33,8 +32,6 @@ from flatland_bridge.plain_form import from_plain, plain_text, to_plain
 from flatland_server.exceptions import FlatlandError, MessageError, shortened
 from flatland_server.messages.message_types import deserialized, get
 from flatland_server.messages.wire_form import serialized
-
-logger = logging.getLogger(__name__)
 
 SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
 """Equal in all that is used here."""
@@ -245,31 +242,21 @@ class FoxgloveSession:
         elif code == _SERVICE_REQUEST:
             call, length = struct.unpack_from("<II", data, 5)
             encoding = data[13 : 13 + length].decode()
-            answer = partial(self._answer, number, call, encoding, data[13 + length :])
-            try:
-                self._calls.add(len(data), answer)
-            except BridgeError as error:
-                self._send(_failure(number, call, str(error)))
+            name = self._services.get(number, "")
+            answer = partial(self._answer, name, number, call, encoding, data[13 + length :])
+            self._calls.add(name, len(data), answer, partial(_failure, number, call))
         else:
             raise BridgeError(f"there is no binary operation {code}")
 
-    def _answer(self, number: int, call: int, encoding: str, data: bytes) -> List[Data]:
+    def _answer(self, name: str, number: int, call: int, encoding: str, data: bytes) -> List[Data]:
         """Calls a service. Returns the response; on a thread of the pool."""
-        name = self._services.get(number, "")
-        try:
-            kind = self._graph.service_type(name)
-            response = self._graph.call(name, _message(kind.request, encoding, data))
-            if encoding == _JSON:
-                plain = to_plain(response)
-                payload = bytes(orjson.dumps(plain, option=orjson.OPT_SERIALIZE_NUMPY))
-            else:
-                payload = serialized(response)
-        except FlatlandError as error:
-            return [orjson.dumps(_failure(number, call, str(error))).decode()]
-        except Exception as error:  # the client would wait for ever
-            logger.exception("%s has failed", name)
-            text = f"{name} has failed: {shortened(repr(error))}"
-            return [orjson.dumps(_failure(number, call, text)).decode()]
+        kind = self._graph.service_type(name)
+        response = self._graph.call(name, _message(kind.request, encoding, data))
+        if encoding == _JSON:
+            plain = to_plain(response)
+            payload = bytes(orjson.dumps(plain, option=orjson.OPT_SERIALIZE_NUMPY))
+        else:
+            payload = serialized(response)
         head = struct.pack("<BIII", _SERVICE_RESPONSE, number, call, len(encoding))
         return [head + encoding.encode() + payload]
 
@@ -277,10 +264,10 @@ class FoxgloveSession:
         self._outbox.reply(orjson.dumps(message).decode())
 
 
-def _failure(number: int, call: int, text: str) -> Dict[str, Any]:
+def _failure(number: int, call: int, text: str) -> List[Data]:
     """The answer to a call that has failed."""
     failure = {"op": "serviceCallFailure", "serviceId": number, "callId": call}
-    return {**failure, "message": plain_text(text)}
+    return [orjson.dumps({**failure, "message": plain_text(text)}).decode()]
 
 
 def _encoder(key: int) -> Callable[[Sample], List[Data]]:

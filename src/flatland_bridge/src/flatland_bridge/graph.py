@@ -2,10 +2,11 @@
 
 from abc import ABC, abstractmethod
 from collections import deque
-from typing import Any, Callable, Deque, Dict, FrozenSet, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Deque, Dict, FrozenSet, List, NamedTuple, Optional, Tuple
 
 from flatland_bridge.budget import Budget
 from flatland_bridge.message_size import size_of
+from flatland_bridge.parameters import Parameters
 from flatland_server.exceptions import FlatlandError, suggestion
 from flatland_server.messages.message_types import deserialized
 from flatland_server.messages.service_types import ServiceType
@@ -136,8 +137,32 @@ class Topics(NamedTuple):
         return {**self.subscribed, **self.published}
 
 
+NODE = "/flatland_server"
+"""The node that a simulation without ROS is."""
+
+
+class Nodes(NamedTuple):
+    """The names of nodes.
+
+    Attributes:
+        publishers: of each topic.
+        subscribers: of each topic.
+        services: of each service, the node that offers it.
+    """
+
+    publishers: Dict[str, List[str]]
+    subscribers: Dict[str, List[str]]
+    services: Dict[str, List[str]]
+
+
 class Graph(ABC):
-    """Topics and services. All methods may be called on any thread."""
+    """Topics, services and parameters. All methods may be called on any thread.
+
+    Attributes:
+        parameters: those that clients see and set.
+    """
+
+    parameters: Parameters
 
     @property
     @abstractmethod
@@ -150,6 +175,12 @@ class Graph(ABC):
         """The present services by their absolute names."""
 
     @property
+    def nodes(self) -> Nodes:
+        """The present nodes."""
+        named = (self.topics.published, self.topics.subscribed, self.services)
+        return Nodes(*({name: [NODE] for name in names} for names in named))
+
+    @property
     @abstractmethod
     def nanoseconds(self) -> int:
         """Simulated time [ns]."""
@@ -159,6 +190,8 @@ class Graph(ABC):
         self, topic: str, receive: Receive, client: Optional[Budget] = None
     ) -> Callable[[], None]:
         """Subscribes to a topic, which need not exist yet.
+
+        Once more with an equal function, it only gets the last message of a latched topic again.
 
         Args:
             topic: its absolute name.
@@ -186,7 +219,7 @@ class Graph(ABC):
         """Publishes a message.
 
         Args:
-            topic: its absolute name.
+            topic: its absolute name; advertised, unless the graph is a simulation.
             message: of the topic's type.
             client: as for `subscribe`.
 

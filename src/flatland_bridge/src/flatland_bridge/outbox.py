@@ -1,6 +1,7 @@
 """Messages that wait for one client: bounded, however slow it is."""
 
 import asyncio
+import math
 import sys
 import threading
 import time
@@ -43,7 +44,7 @@ class Stream:
         budget: of the client.
         report: called once, if a message cannot be encoded.
         throttle: shortest time between two messages [s].
-        length: how many messages wait; None is no wish. With a throttle, 0 drops what comes early.
+        length: how many messages wait; 0 is no wish. With a throttle, 0 drops what comes early.
     """
 
     def __init__(
@@ -53,32 +54,44 @@ class Stream:
         budget: Budget,
         report: Report = lambda text: None,
         throttle: float = 0.0,
-        length: Optional[int] = None,
+        length: int = 0,
     ) -> None:
-        self.encode = encode
         self._wake = wake
         self._budget = budget
         self._report = report
-        self._throttle = throttle
-        self._drops_early = throttle > 0.0 and not length
-        self._length = min(length or MOST_MESSAGES, MOST_MESSAGES)
         self._waiting: Deque[Tuple[Sample, int]] = deque()  # with the bytes that each counts
         self._lock = threading.Lock()  # of what waits
         self._is_closed = self._has_failed = False
-        self._due = 0.0  # when the next one may be sent
+        self._last = -math.inf  # when one was sent, or taken to be sent
+        self.change(encode, throttle, length)
+
+    def change(self, encode: Encode, throttle: float, length: int) -> None:
+        """Changes how messages are sent, also those that wait.
+
+        Args:
+            encode: as for the class, like the others.
+            throttle: counts from the last message on.
+            length: also of what waits, from the next message on.
+        """
+        self.encode = encode
+        self._throttle = throttle
+        self._drops_early = throttle > 0.0 and not length
+        self._length = min(length or MOST_MESSAGES, MOST_MESSAGES)
+        if self._waiting:
+            self._wake()
 
     def receive(self, sample: Sample) -> None:
         """Adds a message; for any thread."""
         if self._drops_early:
             now = time.monotonic()
-            if now < self._due:
+            if now < self._last + self._throttle:
                 return
-            self._due = now + self._throttle
+            self._last = now
         size = sample.size
         with self._lock:
             if self._is_closed:
                 return
-            if len(self._waiting) >= self._length:
+            while len(self._waiting) >= self._length:
                 self._drop()
             while not self._budget.offer(size):
                 if self._waiting:
@@ -99,14 +112,14 @@ class Stream:
                 return None
             sample = self._drop()
         if not self._drops_early:
-            self._due = now + self._throttle
+            self._last = now
         return sample
 
     def delay(self, now: float) -> float:
         """Time until the next message may be sent [s]; infinite if there is none."""
         if not self._waiting:
-            return float("inf")
-        return 0.0 if self._drops_early else max(0.0, self._due - now)
+            return math.inf
+        return 0.0 if self._drops_early else max(0.0, self._last + self._throttle - now)
 
     def leave_out(self, sample: Sample, error: Exception) -> None:
         """Reports a message that cannot be encoded: once, or there would be a report of each.
@@ -252,8 +265,8 @@ class Outbox:
 
     async def _wait(self) -> None:
         now = time.monotonic()
-        delay = min((each.delay(now) for each in self._streams.values()), default=float("inf"))
-        if delay == float("inf"):
+        delay = min((each.delay(now) for each in self._streams.values()), default=math.inf)
+        if delay == math.inf:
             await self._event.wait()
             return
         with suppress(asyncio.TimeoutError):

@@ -10,7 +10,8 @@ import rospy
 
 from flatland_bridge.budget import Budget
 from flatland_bridge.client_calls import let_the_next_begin
-from flatland_bridge.graph import Graph, Receive, Sample, Topics, require_type
+from flatland_bridge.graph import Graph, Nodes, Receive, Sample, Topics, require_type
+from flatland_bridge.parameters import ParameterError, Parameters
 from flatland_bridge.ros_services import RosServices
 from flatland_server.exceptions import MessageError
 from flatland_server.messages import service_types
@@ -28,9 +29,12 @@ class RosGraph(Graph):
     """
 
     def __init__(self) -> None:
-        self._master = Master(rosgraph.get_master_uri())
+        uri = rosgraph.get_master_uri()
+        self._master = Master(uri)
+        self.parameters = MasterParameters(uri)
         self._lock = threading.RLock()
         self._topics = Topics({}, {})
+        self._nodes = Nodes({}, {}, {})
         self._services = RosServices()
         self._subscriptions: Dict[str, _Subscription] = {}
         self._publishers: Dict[str, rospy.Publisher] = {}
@@ -43,6 +47,7 @@ class RosGraph(Graph):
         """
         try:
             published, subscribed, services, types = self._master.graph()
+            self._nodes = Nodes(dict(published), dict(subscribed), dict(services))
             known = {topic: kind for topic, kind in types.items() if _is_known(kind)}
             self._topics = Topics(
                 *(
@@ -61,6 +66,10 @@ class RosGraph(Graph):
     @property
     def topics(self) -> Topics:
         return self._topics
+
+    @property
+    def nodes(self) -> Nodes:
+        return self._nodes
 
     @property
     def services(self) -> Dict[str, service_types.ServiceType]:
@@ -88,7 +97,8 @@ class RosGraph(Graph):
 
     def advertise(self, topic: str, message_type: Any) -> Callable[[], None]:
         with self._lock:
-            self._publisher(topic, message_type)
+            if topic not in self._publishers:
+                self._publishers[topic] = rospy.Publisher(topic, message_type, queue_size=10)
             self._advertisers[topic] += 1
 
         def end() -> None:
@@ -100,20 +110,47 @@ class RosGraph(Graph):
 
         return end
 
-    def _publisher(self, topic: str, message_type: Any) -> rospy.Publisher:
-        """The publisher of a topic; one without an advertisement stays."""
-        with self._lock:
-            if topic not in self._publishers:
-                self._publishers[topic] = rospy.Publisher(topic, message_type, queue_size=10)
-            return self._publishers[topic]
-
     def publish(self, topic: str, message: Any, client: Optional[Budget] = None) -> None:
         require_type(topic, self._topics.types.get(topic), message)
-        self._publisher(topic, type(message)).publish(message)
+        self._publishers[topic].publish(message)
 
     def call(self, service: str, request: Any) -> Any:
         let_the_next_begin()  # it works elsewhere, and may wait there
         return self._services.call(service, self.service_type(service), request)
+
+
+class MasterParameters(Parameters):
+    """The parameters of a ROS master.
+
+    Args:
+        uri: the master's.
+    """
+
+    def __init__(self, uri: str) -> None:
+        super().__init__()
+        self._uri = uri
+
+    def get(self, name: str, default: Any = None) -> Any:
+        return self._ask("getParam", name, default=default)
+
+    def names(self) -> List[str]:
+        return list(self._ask("getParamNames"))
+
+    def search(self, name: str) -> str:
+        return str(self._ask("searchParam", name, default=""))
+
+    def _put(self, name: str, value: Any) -> None:
+        self._ask("setParam", name, value)
+
+    def _remove(self, name: str) -> None:
+        self._ask("deleteParam", name)
+
+    def _ask(self, method: str, *arguments: Any, default: Any = None) -> Any:
+        """The master's answer; the default if it says that there is no such parameter."""
+        try:
+            return Master(self._uri).ask(method, *arguments, default=default)
+        except NO_ANSWER:
+            raise ParameterError("the ROS master does not answer") from None
 
 
 class _Subscription:
@@ -135,7 +172,8 @@ class _Subscription:
     def add(self, receive: Receive) -> None:
         """Adds a client, which gets latched messages first."""
         with self._lock:
-            self._receivers.append(receive)
+            if receive not in self._receivers:
+                self._receivers.append(receive)
             for sample in self._latched.values():
                 receive(sample)
 

@@ -17,6 +17,7 @@ from rosgraph.network import (
     encode_ros_handshake_header,
 )
 
+from flatland_bridge.client_calls import client_is_gone
 from flatland_bridge.graph import BridgeError
 from flatland_server.exceptions import MessageError
 from flatland_server.messages import service_types
@@ -30,7 +31,7 @@ _RETRY_PERIOD = 5.0
 """Real time after which a server that has not answered is asked again [s]."""
 _PATIENCE = 1.0
 """Real time that `follow` waits for servers, most of which answer within milliseconds [s]."""
-_LOOK_PERIOD = 0.5  # s of real time: an answer is waited for until the node ends
+_LOOK_PERIOD = 0.5  # s of real time: an answer is waited for until the node ends, or the caller
 _LARGEST_HEADER = 1 << 20  # bytes
 _NO_ANSWER = (OSError, ROSHandshakeException, ValueError)
 
@@ -174,7 +175,7 @@ def _read_block(connection: socket.socket, end: float = math.inf, most: float = 
 def _read(connection: socket.socket, size: int, end: float = math.inf) -> bytes:
     data = bytearray()
     while len(data) < size:
-        if time.monotonic() > end or rospy.is_shutdown():
+        if time.monotonic() > end or rospy.is_shutdown() or client_is_gone():
             raise TimeoutError("it does not answer")
         try:
             more = connection.recv(min(size - len(data), 1 << 16))

@@ -14,6 +14,7 @@ from flatland_bridge.plain_form import to_plain
 from flatland_server.exceptions import shortened
 
 COMPRESSIONS = ("none", "cbor", "cbor-raw")
+"""Of several wishes for a topic, the last one of these counts."""
 
 
 def encoded(message: Message, compression: str, fragment_size: int) -> Iterable[Data]:

@@ -4,34 +4,57 @@ https://github.com/RobotWebTools/rosbridge_suite/blob/ros1/ROSBRIDGE_PROTOCOL.md
 """
 
 import itertools
-import logging
 import sys
 from concurrent.futures import Executor
 from functools import partial
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Tuple
+from typing import Any, Callable, Collection, Dict, Iterable, List, NamedTuple, Tuple
 
 from flatland_bridge.budget import ENTRY, Budget
 from flatland_bridge.client_calls import MOST_CALLS, ClientCalls
 from flatland_bridge.client_messages import Message, field, id_of, message_of, name_of, whole
 from flatland_bridge.graph import BridgeError, Graph
-from flatland_bridge.outbox import Data, Outbox, Send, Stream
+from flatland_bridge.outbox import MOST_MESSAGES, Data, Encode, Outbox, Send, Stream
 from flatland_bridge.plain_form import from_plain, to_plain
 from flatland_bridge.rosapi import RosApi
 from flatland_bridge.rosbridge_form import COMPRESSIONS, encoded, publisher
 from flatland_server.exceptions import FlatlandError, MessageError, shortened, suggestion
 from flatland_server.messages.message_types import get
 
-logger = logging.getLogger(__name__)
-
 _LEVELS = ("none", "error", "warning", "info")
 _MOST_TOPICS = 500
-"""Topics that a client may subscribe to."""
+"""Topics that a client may subscribe to, and times that it may subscribe to each."""
 _LARGEST = 64_000_000
 """Bytes that a message in fragments takes once it is decoded, at most."""
 _OF_ANSWERS = ("id", "service", "compression", "fragment_size")
 """Fields of a call that its answer depends on."""
 _DECODED = {"{": 64, "[": 56, ",": 8, ".": 24}
 """Bytes of a decoded object, array, reference and fraction, by a character that each has."""
+
+
+class _Wish(NamedTuple):
+    """How a part of a client wants the messages of a topic.
+
+    Attributes:
+        compression: one of `COMPRESSIONS`.
+        fragment_size: as for `encoded`; 0 is any.
+        throttle: shortest time between two messages [s].
+        length: how many messages wait; 0 drops what comes early.
+        size: its bytes in the client's budget.
+    """
+
+    compression: str
+    fragment_size: int
+    throttle: float
+    length: int
+    size: int
+
+
+class _Subscription(NamedTuple):
+    """A client's subscription to a topic: its messages, its end, and all wishes by their ids."""
+
+    stream: Stream
+    end: Callable[[], None]
+    wishes: Dict[str, _Wish]
 
 
 class Offered(NamedTuple):
@@ -88,8 +111,7 @@ class RosbridgeSession:
         self._providers = providers
         self._rosapi = RosApi(graph)
         self._level = "error"
-        self._subscriptions: Dict[str, Callable[[], None]] = {}  # ends each, by topic
-        self._ids: Dict[str, Dict[str, int]] = {}  # under which topics are subscribed to; bytes
+        self._subscriptions: Dict[str, _Subscription] = {}  # by topic
         self._advertised: Dict[str, Tuple[str, Callable[[], None]]] = {}  # type, end
         self._fragments: Dict[str, Dict[int, str]] = {}
         self._operations: Dict[Any, Callable[[Message], None]] = {
@@ -139,7 +161,9 @@ class RosbridgeSession:
 
     def close(self) -> None:
         """Ends all that the client has begun."""
-        for end in (*self._subscriptions.values(), *(end for _, end in self._advertised.values())):
+        for subscription in self._subscriptions.values():
+            subscription.end()
+        for _, end in self._advertised.values():
             end()
         providers = self._providers
         for name in [name for name, each in providers.sessions.items() if each is self]:
@@ -161,42 +185,53 @@ class RosbridgeSession:
             raise BridgeError(
                 f'the topic "{topic}" has the type {known}, not {shortened(str(kind))}'
             )
-        if topic not in self._subscriptions and len(self._subscriptions) >= _MOST_TOPICS:
+        found, name = self._subscriptions.get(topic), str(message.get("id"))
+        if found is None and len(self._subscriptions) >= _MOST_TOPICS:
             raise BridgeError(f"a client may subscribe to {_MOST_TOPICS} topics")
+        wishes = {} if found is None else found.wishes
+        if name not in wishes and len(wishes) >= _MOST_TOPICS:
+            raise BridgeError(f"a client may subscribe to a topic {_MOST_TOPICS} times")
+        wish = self._wish(message, wishes[name].size if name in wishes else _size(topic, name))
+        how = _agreed({**wishes, name: wish}.values())
+        if found is None:
+            report = partial(self._status, "error", about={})
+            stream = Stream(how[0], self._outbox.wake, self.budget, report, *how[1:])
+        else:
+            stream = found.stream
+        end = self._graph.subscribe(topic, stream.receive, self.budget)
+        if found is None:
+            self._outbox.open(topic, stream)
+        else:
+            stream.change(*how)
+        self._subscriptions[topic] = _Subscription(stream, end, wishes)
+        if name not in wishes:
+            self.budget.hold(wish.size)
+        wishes[name] = wish
+
+    def _wish(self, message: Message, size: int) -> _Wish:
         compression = message.get("compression", "none")
         if not isinstance(compression, str) or compression not in COMPRESSIONS:
             names = ", ".join(COMPRESSIONS)
             self._status("warning", f"compression: expected {names}; it is none", message)
             compression = "none"
-        size = whole(message, "fragment_size", 0)
-        stream = Stream(
-            publisher(compression, size),
-            self._outbox.wake,
-            self.budget,
-            partial(self._status, "error", about={}),
-            whole(message, "throttle_rate", 0) / 1000.0,
-            whole(message, "queue_length", 0),
-        )
-        end = self._graph.subscribe(topic, stream.receive, self.budget)
-        if topic in self._subscriptions:  # once more: the last one says how
-            self._subscriptions[topic]()
-        self._outbox.open(topic, stream)
-        self._subscriptions[topic] = end
-        ids, name = self._ids.setdefault(topic, {}), str(message.get("id"))
-        if name not in ids:
-            ids[name] = _size(topic, name)
-            self.budget.hold(ids[name])
+        throttle = whole(message, "throttle_rate", 0) / 1000.0
+        length = whole(message, "queue_length", 0) or (0 if throttle else MOST_MESSAGES)
+        return _Wish(compression, whole(message, "fragment_size", 0), throttle, length, size)
 
     def _unsubscribe(self, message: Message) -> None:
         topic = name_of(message, "topic")
-        ids = self._ids.get(topic, {})
-        self.budget.hold(-ids.pop(str(message.get("id")), 0))
-        if message.get("id") is None or not ids:
-            self.budget.hold(-sum(self._ids.pop(topic, {}).values()))
+        if topic not in self._subscriptions:
+            return
+        stream, end, wishes = self._subscriptions[topic]
+        for name in list(wishes) if message.get("id") is None else [str(message["id"])]:
+            if name in wishes:
+                self.budget.hold(-wishes.pop(name).size)
+        if wishes:
+            stream.change(*_agreed(wishes.values()))
+        else:
+            del self._subscriptions[topic]
             self._outbox.close(topic)
-            end = self._subscriptions.pop(topic, None)
-            if end is not None:
-                end()
+            end()
 
     def _advertise(self, message: Message) -> None:
         topic, kind = name_of(message, "topic"), _ros1_name(message.get("type"))
@@ -227,6 +262,8 @@ class RosbridgeSession:
         content = from_plain(get(kind), message.get("msg", {}))
         if isinstance(message.get("msg"), dict):
             self._stamp(content, message["msg"])
+        if topic not in self._advertised:  # as if it had been: it ends with the client
+            self._advertise({"topic": topic, "type": kind})
         self._graph.publish(topic, content, self.budget)
 
     def _stamp(self, content: Any, given: Message) -> None:
@@ -243,49 +280,44 @@ class RosbridgeSession:
     def _call_service(self, message: Message) -> None:
         name = name_of(message, "service")
         provider = self._providers.sessions.get(name)
+        slim = {key: message[key] for key in _OF_ANSWERS if key in message}
         try:
             whole(message, "fragment_size", 0)  # of the answer
             if provider is None:
                 # Its arguments may be many times larger than its text: they are read in its turn.
-                self._calls.add(sys.getsizeof(self._data), partial(self._answer, name, self._data))
+                answer = partial(self._answer, name, slim, self._data)
+                refuse = partial(_response, slim, succeeded=False)
+                self._calls.add(name, sys.getsizeof(self._data), answer, refuse)
             else:
-                self._call_provider(name, provider, message)
+                self._call_provider(name, provider, message, slim)
         except BridgeError as error:
             self._respond({**message, "fragment_size": None}, str(error), False)
 
-    def _call_provider(self, name: str, provider: "RosbridgeSession", message: Message) -> None:
+    def _call_provider(
+        self, name: str, provider: "RosbridgeSession", message: Message, slim: Message
+    ) -> None:
         calls = self._providers.calls
         if sum(each.caller is self for each in calls.values()) >= MOST_CALLS:
             raise BridgeError(f"a client may make {MOST_CALLS} calls at a time")
         number = str(next(self._providers.numbers))
         call = {"op": "call_service", "id": number, "service": name}
         pieces = list(encoded({**call, "args": message.get("args", {})}, "none", 0))
-        slim = {key: message[key] for key in _OF_ANSWERS if key in message}
         size = sys.getsizeof(self._data) + ENTRY
         self.budget.hold(size)
         calls[number] = Offered(self, slim, provider, size)
         for data in pieces:
             provider._outbox.reply(data, self.budget)
 
-    def _answer(self, name: str, data: Data) -> Iterable[Data]:
+    def _answer(self, name: str, slim: Message, data: Data) -> Iterable[Data]:
         """Calls a service. Returns the response; on a thread of the pool."""
-        message = message_of(data)
-        try:
-            return _response(message, self._values(name, message), True)
-        except FlatlandError as error:
-            return _response(message, str(error), False)
-        except Exception as error:  # the client would wait for ever
-            logger.exception("%s has failed", name)
-            return _response(message, f"{name} has failed: {shortened(repr(error))}", False)
-
-    def _values(self, name: str, message: Message) -> Any:
-        arguments = message.get("args")
+        arguments = message_of(data).get("args")
         arguments = {} if arguments is None else arguments
         if name in self._rosapi.services:
-            return self._rosapi.services[name](arguments if isinstance(arguments, dict) else {})
+            asked = arguments if isinstance(arguments, dict) else {}
+            return _response(slim, self._rosapi.services[name](asked), True)
         kind = self._graph.service_type(name)
         response = self._graph.call(name, from_plain(kind.request, arguments))
-        return to_plain(response, cbor=message.get("compression") == "cbor")
+        return _response(slim, to_plain(response, cbor=slim.get("compression") == "cbor"), True)
 
     def _respond(self, call: Message, values: Any, succeeded: bool) -> None:
         for data in _response(call, values, succeeded):
@@ -352,6 +384,19 @@ class RosbridgeSession:
     def _send(self, message: Message) -> None:
         for data in encoded(message, "none", 0):
             self._outbox.reply(data)
+
+
+def _agreed(wishes: Collection[_Wish]) -> Tuple[Encode, float, int]:
+    """How all parts of a client get what they want: the encoding, throttle and length of a stream.
+
+    As rosbridge_suite does it, but with the longest queue, as the protocol says.
+    """
+    compression = max((each.compression for each in wishes), key=COMPRESSIONS.index)
+    return (
+        publisher(compression, min(each.fragment_size or sys.maxsize for each in wishes)),
+        min(each.throttle for each in wishes),
+        max(each.length for each in wishes),
+    )
 
 
 def _response(call: Message, values: Any, succeeded: bool) -> List[Data]:

@@ -8,7 +8,8 @@ from functools import partial
 from typing import Any, Callable, Deque, Dict, Hashable, Mapping, Set, Tuple
 from typing import Counter as CounterType
 
-from flatland_bridge.graph import BridgeError
+from flatland_bridge.graph import NODE, BridgeError
+from flatland_bridge.parameters import LocalParameters
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.thread_calls import ThreadCalls
 from flatland_server.transport.topic_registry import ANY_TYPE, type_name
@@ -53,11 +54,13 @@ class SharedTransport(ThreadCalls, LocalTransport):
         types: the types of all topics that were opened, by absolute name.
         latched: the absolute names of those that send their last message to new subscribers.
         failures: of what is called for clients.
+        parameters: those given, and those that clients set.
         is_ending: makes `process` return at once.
     """
 
     def __init__(self, params: Mapping[str, Any]) -> None:
-        super().__init__(dict(params), ())
+        super().__init__({}, ())
+        self.parameters = LocalParameters(params, NODE)
         self.types: Dict[str, str] = {}
         self.latched: Set[str] = set()
         self.is_ending = False
@@ -81,6 +84,9 @@ class SharedTransport(ThreadCalls, LocalTransport):
         if type_name(message_type) != ANY_TYPE:
             self.types[self.resolve(topic)] = type_name(message_type)
         return super().subscribe(topic, message_type, partial(self.failures.catch, callback))
+
+    def get_param(self, name: str, default: Any = None) -> Any:
+        return self.parameters.get(name, default)
 
     def post(self, action: Callable[[], None], client: Hashable = None) -> None:
         """Queues an action for the simulation's thread.

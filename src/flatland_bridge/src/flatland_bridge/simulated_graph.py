@@ -1,11 +1,10 @@
 """The topics and services of a simulation in this process."""
 
-import logging
 import threading
 from concurrent.futures import Future
 from functools import partial
 from pathlib import Path
-from typing import Any, Callable, Dict, FrozenSet, List, Optional, Tuple, TypeVar
+from typing import Any, Callable, Dict, FrozenSet, List, Optional, Set, Tuple, TypeVar
 
 from flatland_bridge.budget import Budget
 from flatland_bridge.client_calls import let_the_next_begin
@@ -14,12 +13,11 @@ from flatland_bridge.message_size import size_of
 from flatland_bridge.shared_transport import SharedTransport
 from flatland_bridge.simulation_interfaces import SimulationInterfaces
 from flatland_server.config.shipped_worlds import shipped_worlds
-from flatland_server.exceptions import FlatlandError, shortened
 from flatland_server.geometry import Transform
-from flatland_server.messages import ros_time
-from flatland_server.messages.message_types import get
+from flatland_server.messages.message_types import TYPES, get
 from flatland_server.messages.service_types import ServiceType
 from flatland_server.messages.service_types import get as get_service
+from flatland_server.messages.stamps import stamp_offset
 from flatland_server.real_time_timer import RealTimeTimer
 from flatland_server.serving.client_edits import ClientEdits
 from flatland_server.serving.client_files import ClientFiles
@@ -33,18 +31,16 @@ from flatland_server.serving.state_services import StateServices
 from flatland_server.serving.wall_visualization import WallVisualization
 from flatland_server.serving.world_saving import WorldSaving
 from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.simulation.wall_timekeeper import WallTimekeeper
 from flatland_server.simulation.world import World
 from flatland_server.transport.serialized_transforms import TransformQueue
 from flatland_server.transport.tap import Tap
-
-logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
 
 Clock = get("rosgraph_msgs/Clock")
 TFMessage = get("tf2_msgs/TFMessage")
 
-_OWN_TOPICS = {"/clock": Clock._type, "/tf": TFMessage._type}
 _VIEW_RATE = 30.0
 """Rate at which models and their states are published [Hz of real time]."""
 _TOPICS_PERIOD = 0.2
@@ -70,13 +66,18 @@ class SimulatedGraph(Graph, Tap):
     ) -> None:
         assert isinstance(manager.transport, SharedTransport)
         self._transport = manager.transport
+        self.parameters = self._transport.parameters
         self._manager = manager
         self._failures = self._transport.failures
         self._receivers: Dict[str, Tuple[Receive, ...]] = {}
+        self._open: Set[Tuple[str, Receive]] = set()  # subscriptions that have not ended
         self._lock = threading.Lock()  # with which alone topics come and go there
         self._wanted: FrozenSet[str] = frozenset()  # topics, as the transport knows them
         self._host = _Host(self._transport, with_states=state_folder is not None)
         self._transforms = TransformQueue()
+        self._own_topics = {"/tf": TFMessage._type}
+        if not isinstance(manager.timekeeper, WallTimekeeper):
+            self._own_topics["/clock"] = Clock._type
         world = manager.world
         self._walls = WallVisualization(world.layers, FRAME_ID, self._transport)
         edits = ClientEdits(world)
@@ -115,33 +116,36 @@ class SimulatedGraph(Graph, Tap):
 
     @property
     def nanoseconds(self) -> int:
-        return self._manager.timekeeper.nanoseconds
+        return self._manager.timekeeper.nanoseconds + stamp_offset()
 
     def subscribe(
         self, topic: str, receive: Receive, client: Optional[Budget] = None
     ) -> Callable[[], None]:
-        is_open = True
+        key = topic, receive
 
         def begin() -> None:
             with self._lock:
-                if not is_open:
+                if key not in self._open:
                     return
-                self._receivers[topic] = (*self._receivers.get(topic, ()), receive)
+                receivers = self._receivers.get(topic, ())
+                if receive not in receivers:
+                    self._receivers[topic] = (*receivers, receive)
             self._follow_subscribers()
             last = self._transport.last_latched(topic)
             if last is not None:
                 receive(self._sample(topic, last, is_latched=True))
 
         def end() -> None:
-            nonlocal is_open
             with self._lock:  # at once: a client may be gone, and the simulation busy
-                is_open = False
+                self._open.discard(key)
                 receivers = self._receivers.pop(topic, ())
-                rest = tuple(each for each in receivers if each is not receive)
+                rest = tuple(each for each in receivers if each != receive)
                 if rest:
                     self._receivers[topic] = rest
 
-        self._transport.post(begin, client)
+        with self._lock:
+            self._transport.post(begin, client)
+            self._open.add(key)
         return end
 
     def publish(self, topic: str, message: Any, client: Optional[Budget] = None) -> None:
@@ -165,14 +169,7 @@ class SimulatedGraph(Graph, Tap):
             raise
 
     def call(self, service: str, request: Any) -> Any:
-        kind = self.service_type(service)
-        try:
-            response = answer(kind, self._host.actions[service], request)
-        except FlatlandError:
-            raise
-        except Exception as error:  # the client would wait for ever
-            logger.exception("%s has failed", service)
-            raise BridgeError(f"{service} has failed: {shortened(repr(error))}") from None
+        response = answer(self.service_type(service), self._host.actions[service], request)
         if getattr(response, "success", True):
             self._transport.call(self._follow_topics)  # so that the client finds new ones at once
         return response
@@ -193,8 +190,8 @@ class SimulatedGraph(Graph, Tap):
     def _send_step(self) -> None:
         """Sends the time and the transforms of a step."""
         receivers = self._receivers
-        if receivers.get("/clock"):
-            self.receive("/clock", Clock(ros_time(self.nanoseconds)), False)
+        if receivers.get("/clock") and "/clock" in self._own_topics:
+            self.receive("/clock", Clock(TYPES.Time(0, self.nanoseconds)), False)
         data = self._transforms.take()
         if data:
             sample = Sample("/tf", self.nanoseconds, TFMessage, data=data)
@@ -220,8 +217,8 @@ class SimulatedGraph(Graph, Tap):
 
     def _present_topics(self) -> Topics:
         transport = self._transport
-        types = {**transport.types, **_OWN_TOPICS}
-        published = sorted({*transport.topics, *_OWN_TOPICS})
+        types = {**transport.types, **self._own_topics}
+        published = sorted({*transport.topics, *self._own_topics})
         return Topics(
             {name: types[name] for name in published},
             {name: types[name] for name in sorted(transport.subscribed) if name in types},

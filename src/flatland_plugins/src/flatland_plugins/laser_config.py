@@ -46,7 +46,7 @@ class LaserConfig:
         angle_min = angle.get_float("min")
         angle_max = angle.get_float("max")
         increment = angle.get_float("increment")
-        if angle_max - angle_min > math.tau + 0.01:
+        if abs(angle_max - angle_min) > math.tau + 0.01:
             turn = f"{math.degrees(angle_max - angle_min):.4g} degrees"
             angle.warn(f"expected angles in rad, found a turn of {turn} from min to max", "max")
         angle.finish()
@@ -66,6 +66,8 @@ class LaserConfig:
             always_publish=config.get_bool("always_publish", False),
             no_return=math.inf,
         )
+        if not laser.layers and config.is_sound:
+            config.warn("expected the layers that it sees, found none: it sees nothing", "layers")
         word = config.get_choice("no_return", ["inf", "nan", "max"], no_return)
         laser = replace(laser, no_return=laser.range if word == "max" else float(word))
         if config.is_sound and not 1 <= laser.beams <= _MAX_BEAMS:

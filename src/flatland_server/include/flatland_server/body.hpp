@@ -34,12 +34,16 @@ struct BodyRecord {
     std::vector<std::vector<uint32_t>> blocks;  // of each large layer
   };
 
-  /// Gives a dynamic body the mass of its fixtures. Box2D takes 1 kg, and a centre at the origin,
-  /// if they have none; a body that never gets a mass would pass through walls.
-  void SetMass() const {
-    const b2MassData data = mass.ToBox2D();
+  /// Gives a dynamic body a mass: another body gets the same bits from what GetMassData then tells.
+  /// The first time, its sum of two inertias may be rounded.
+  void SetMass(b2MassData data) const {
+    body->SetMassData(&data);
+    body->GetMassData(&data);
     body->SetMassData(&data);
   }
+  /// Gives a dynamic body the mass of its fixtures. Box2D takes 1 kg, and a centre at the origin,
+  /// if they have none; a body that never gets a mass would pass through walls.
+  void ResetMass() const { SetMass(mass.ToBox2D()); }
 
   b2Body* body = nullptr;
   bool is_layer = false;

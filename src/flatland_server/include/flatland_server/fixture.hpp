@@ -50,15 +50,18 @@ void RequireMaterial(const FixtureSettings& settings);
 /// Mass properties of a fixture, for MassSum.
 b2MassData ComputeMass(const b2Shape& shape, const FixtureSettings& settings);
 
+/// Throws std::invalid_argument with the message unless a body of this mass has a positive moment
+/// of inertia about its centre of mass, which Box2D asserts: rounding may leave none.
+void RequireInertia(const b2MassData& mass, const char* message);
+
 /// The mass properties of a body, summed up fixture by fixture.
 ///
 /// Box2D sums over all fixtures of a body each time that one with a density is added to it, which
 /// takes minutes for a body of some ten thousand. So AddFixture sets a body's mass by this sum.
 class MassSum {
  public:
-  /// The sum with one more fixture. It throws unless a dynamic body of these fixtures has a
-  /// positive moment of inertia about its centre of mass, which Box2D asserts. Rounding makes it
-  /// negative for a small shape far from the origin.
+  /// The sum with one more fixture. It throws unless a dynamic body of these fixtures has an
+  /// inertia (RequireInertia), as a small shape far from the origin has not.
   MassSum With(const b2MassData& fixture) const;
   /// For b2Body::SetMassData.
   b2MassData ToBox2D() const;

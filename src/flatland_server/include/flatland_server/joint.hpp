@@ -16,10 +16,18 @@ struct JointSettings {
   bool collide_connected = false;  ///< true if the two bodies collide with each other
 };
 
+/// Lower and upper limit of the angle of b minus that of a [rad].
+using JointLimits = std::pair<double, double>;
+
+/// Turns b relative to a, with no more torque than it needs.
+struct JointMotor {
+  double speed = 0.0;       ///< [rad/s]
+  double max_torque = 0.0;  ///< [N m]
+};
+
 /// A hinge.
 struct RevoluteSettings : JointSettings {
-  /// Lower and upper limit of the angle of b minus that of a [rad]; none: it rotates freely.
-  std::optional<std::pair<double, double>> limits;
+  std::optional<JointLimits> limits;  ///< none: it rotates freely
 };
 
 /// Fixes the relative pose of two bodies, rigidly or by a spring.

@@ -133,6 +133,15 @@ class World : public Access, private b2DestructionListener {
   double GetInertia(Body body) const;
   /// Centre of mass, in the world [m].
   Vec2 GetCenter(Body body) const;
+  /// The same in the body's frame.
+  Vec2 GetLocalCenter(Body body) const;
+  /// Gives a dynamic body another mass than that of its fixtures, until it gets a fixture or
+  /// another shape. Without them, the centre stays, in the body's frame, and the inertia grows with
+  /// the mass. The velocity of the origin stays. By a contact listener, at the end of the step.
+  void SetMass(Body body, double mass, std::optional<double> inertia = std::nullopt,
+               std::optional<Vec2> center = std::nullopt);
+  /// Gives it that of its fixtures.
+  void ResetMass(Body body);
 
   // Forces, at a point of the world [m] or else at the centre of mass. They wake the body.
 
@@ -189,6 +198,21 @@ class World : public Access, private b2DestructionListener {
   int joint_count() const { return world_->GetJointCount(); }
   /// Angle of b minus that of a, minus a weld's reference angle, within [-pi, pi] [rad].
   double GetJointAngle(Joint joint) const;
+  /// The rate of that angle [rad/s].
+  double GetJointSpeed(Joint joint) const;
+
+  // Of a revolute joint: each throws std::invalid_argument for a weld. What a contact listener sets
+  // counts from the end of the step on. Both bodies wake if something changes.
+
+  std::optional<JointLimits> GetLimits(Joint joint) const;
+  /// None: it rotates freely. If it did so before, its angle is from now on that of GetJointAngle,
+  /// without whole rotations; or, if the limits do not contain that, the one nearest to their
+  /// middle among those that look alike.
+  void SetLimits(Joint joint, const std::optional<JointLimits>& limits);
+  std::optional<JointMotor> GetMotor(Joint joint) const;
+  void SetMotor(Joint joint, const std::optional<JointMotor>& motor);
+  /// The torque of its motor on b in the last step [N m].
+  double GetMotorTorque(Joint joint) const;
 
   // ---- Drives, tweens and drifts ----
 
@@ -249,9 +273,10 @@ class World : public Access, private b2DestructionListener {
 
   // ---- State ----
 
-  /// The state of all that moves, as bytes: poses, velocities, pending forces, contacts with the
-  /// solver's impulses, joints, drives and tweens. What the construction of the world determines,
-  /// such as shapes, is not included, even if they were replaced.
+  /// The state of all that moves, as bytes: poses, velocities, pending forces, masses, contacts
+  /// with the solver's impulses, joints with limits and motors, drives and tweens. What the
+  /// construction of the world determines, such as shapes, is not included, even if they were
+  /// replaced.
   std::string SaveState() const;
   /// Puts a world that was constructed in the same way, in the same order, into a saved state. Both
   /// make the same steps, bit for bit. Handles stay valid, and no contact event is reported. Throws
@@ -271,7 +296,23 @@ class World : public Access, private b2DestructionListener {
   void SetShape(Fixture fixture, const b2Shape& shape, std::optional<LayerBits> layers);
   /// Calls `apply(b2Body&)` now or, in the contact listener, after the step.
   template <class Apply>
-  void ApplyOrDefer(Body body, Apply apply);
+  void ApplyOrDefer(Body body, Apply apply) {
+    b2Body& found = Find(body);
+    if (IsInCallback()) {
+      contacts_.Defer(body, apply);
+    } else {
+      apply(found);
+    }
+  }
+  void SetMassData(Body body, const b2MassData& data);
+  b2RevoluteJoint& FindHinge(Joint joint) const;
+  /// The same with `apply(b2RevoluteJoint&)`: Box2D removes a body's joints before it calls the
+  /// contact listener, so the hinge still exists then.
+  template <class Apply>
+  void ApplyOrDefer(Joint joint, Apply apply) {
+    b2RevoluteJoint& hinge = FindHinge(joint);
+    ApplyOrDefer(bodies_.HandleOf(*hinge.GetBodyB()), [&hinge, apply](b2Body&) { apply(hinge); });
+  }
   Joint AddJoint(const b2JointDef& definition);
   /// Forgets all bodies, with what is on them, and returns their records. Box2D keeps them.
   std::vector<BodyRecord> RemoveAll();

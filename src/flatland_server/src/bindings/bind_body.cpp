@@ -100,6 +100,18 @@ void BindProperties(py::class_<PyBody>& body) {
                              [](const PyBody& self) { return self.world->GetInertia(self.handle); })
       .def_property_readonly(
           "center", [](const PyBody& self) { return ToTuple(self.world->GetCenter(self.handle)); })
+      .def_property_readonly(
+          "local_center",
+          [](const PyBody& self) { return ToTuple(self.world->GetLocalCenter(self.handle)); })
+      .def(
+          "set_mass",
+          [](PyBody& self, double mass, std::optional<double> inertia,
+             const std::optional<Pair>& local_center) {
+            self.world->SetMass(self.handle, mass, inertia, ToPoint(local_center));
+          },
+          py::arg("mass"), py::kw_only(), py::arg("inertia") = py::none(),
+          py::arg("local_center") = py::none())
+      .def("reset_mass", [](PyBody& self) { self.world->ResetMass(self.handle); })
       .def_property_readonly("awake",
                              [](const PyBody& self) { return self.world->IsAwake(self.handle); });
 }

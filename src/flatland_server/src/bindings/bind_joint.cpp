@@ -25,7 +25,29 @@ void BindJoint(py::module_& m) {
       .def_property_readonly("alive",
                              [](const PyJoint& self) { return self.world->Contains(self.handle); })
       .def_property_readonly(
-          "angle", [](const PyJoint& self) { return self.world->GetJointAngle(self.handle); });
+          "angle", [](const PyJoint& self) { return self.world->GetJointAngle(self.handle); })
+      .def_property_readonly(
+          "speed", [](const PyJoint& self) { return self.world->GetJointSpeed(self.handle); })
+      .def_property(
+          "limits", [](const PyJoint& self) { return self.world->GetLimits(self.handle); },
+          [](PyJoint& self, const std::optional<Pair>& limits) {
+            self.world->SetLimits(self.handle, limits);
+          })
+      .def_property(
+          "motor",
+          [](const PyJoint& self) -> std::optional<Pair> {
+            const std::optional<JointMotor> motor = self.world->GetMotor(self.handle);
+            if (!motor) return std::nullopt;
+            return Pair(motor->speed, motor->max_torque);
+          },
+          [](PyJoint& self, const std::optional<Pair>& motor) {
+            std::optional<JointMotor> value;
+            if (motor) value = {motor->first, motor->second};
+            self.world->SetMotor(self.handle, value);
+          })
+      .def_property_readonly("motor_torque", [](const PyJoint& self) {
+        return self.world->GetMotorTorque(self.handle);
+      });
 }
 
 void BindJointsOf(py::class_<PyBody>& body) {

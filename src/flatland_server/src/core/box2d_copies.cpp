@@ -52,6 +52,9 @@ b2Joint* CopyJoint(b2World& world, b2Joint& old, b2Body* a, b2Body* b) {
   definition.enableLimit = hinge.IsLimitEnabled();
   definition.lowerAngle = hinge.GetLowerLimit();
   definition.upperAngle = hinge.GetUpperLimit();
+  definition.enableMotor = hinge.IsMotorEnabled();
+  definition.motorSpeed = hinge.GetMotorSpeed();
+  definition.maxMotorTorque = hinge.GetMaxMotorTorque();
   return world.CreateJoint(&definition);
 }
 

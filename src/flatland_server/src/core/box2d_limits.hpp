@@ -17,6 +17,11 @@ constexpr double kMaxCoordinate = 1e5;
 constexpr double kMinRadius = 1e-4;
 /// The smallest density above 0 [kg/m^2].
 constexpr double kMinDensity = 1e-6;
+/// The masses that a body may be given [kg], and its moments of inertia [kg m^2].
+constexpr double kMinMass = 1e-12;
+constexpr double kMaxMass = 1e12;
+constexpr double kMinInertia = 1e-24;
+constexpr double kMaxInertia = 1e24;
 /// The shortest step [s].
 constexpr double kMinStep = 1e-9;
 

@@ -40,6 +40,11 @@ b2MassData ComputeMass(const b2Shape& shape, const FixtureSettings& settings) {
   return mass;
 }
 
+void RequireInertia(const b2MassData& mass, const char* message) {
+  // The same difference, in the same precision, as in b2Body::SetMassData.
+  Require(mass.I - mass.mass * b2Dot(mass.center, mass.center) > 1e-6f * mass.I, message);
+}
+
 MassSum MassSum::With(const b2MassData& fixture) const {
   MassSum sum = *this;
   sum.mass_ += fixture.mass;
@@ -47,9 +52,7 @@ MassSum MassSum::With(const b2MassData& fixture) const {
   sum.moment_ = sum.moment_ + double{fixture.mass} * FromBox2D(fixture.center);
   const b2MassData total = sum.ToBox2D();
   if (total.mass <= 0.0f || total.I <= 0.0f) return sum;  // not asserted
-  // The same difference, in the same precision, as in b2Body::SetMassData.
-  Require(total.I - total.mass * b2Dot(total.center, total.center) > 1e-6f * total.I,
-          "a footprint is too small for its distance from the body's origin");
+  RequireInertia(total, "a footprint is too small for its distance from the body's origin");
   return sum;
 }
 

@@ -1,5 +1,8 @@
 #include "to_box2d.hpp"
 
+#include <algorithm>
+#include <vector>
+
 namespace flatland {
 
 // A joint would react to a whole rotation that only one of its bodies makes. A rotation by half a
@@ -11,6 +14,20 @@ void Place(b2Body& body, const Pose& pose) {
     rotation = std::remainder(rotation, 2.0 * M_PI);
   }
   body.SetTransform(ToBox2D({pose.x, pose.y}), static_cast<float>(body.GetAngle() + rotation));
+}
+
+void AddRotations(b2Body& body, float count) {
+  std::vector<b2Body*> group{&body};
+  for (size_t i = 0; i < group.size(); ++i) {
+    b2Body& member = *group[i];
+    member.SetTransform(member.GetPosition(), member.GetAngle() + count * kFullRotation);
+    for (b2JointEdge* edge = member.GetJointList(); edge != nullptr; edge = edge->next) {
+      const bool compares = edge->joint->GetType() != e_revoluteJoint ||
+                            static_cast<b2RevoluteJoint*>(edge->joint)->IsLimitEnabled();
+      const bool is_new = std::find(group.begin(), group.end(), edge->other) == group.end();
+      if (compares && is_new) group.push_back(edge->other);
+    }
+  }
 }
 
 void WakeBodiesNear(const b2Body& body) {

@@ -20,11 +20,16 @@ inline Pose PoseOf(const b2Body& body) {
   return {position.x, position.y, body.GetAngle()};
 }
 
+constexpr float kFullRotation = 2.0f * b2_pi;
+
 /// True if a body's angle is more than a whole rotation.
-inline bool IsWound(const b2Body& body) { return std::abs(body.GetAngle()) > 2.0f * b2_pi; }
+inline bool IsWound(const b2Body& body) { return std::abs(body.GetAngle()) > kFullRotation; }
 
 /// Moves a body; adds the multiple of 2 pi that keeps its angle nearest to the present one.
 void Place(b2Body& body, const Pose& pose);
+/// Adds whole rotations to a body's angle, and to those of all bodies that a joint compares with
+/// it. A hinge without limits compares nothing.
+void AddRotations(b2Body& body, float count);
 /// Wakes the bodies that a static body may touch; Box2D does not do so.
 void WakeBodiesNear(const b2Body& body);
 

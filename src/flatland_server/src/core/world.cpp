@@ -3,8 +3,6 @@
 
 #include "flatland_server/world.hpp"
 
-#include <algorithm>
-
 #include "box2d_limits.hpp"
 #include "layers.hpp"
 #include "to_box2d.hpp"
@@ -12,24 +10,10 @@
 namespace flatland {
 namespace {
 
-/// Takes whole rotations off a body's angle, and off the angles of all bodies that a joint compares
-/// with it. Box2D keeps angles in single precision: after an hour of spinning, the rotation of one
-/// step would be lost in rounding. A hinge without limits compares nothing.
+/// Takes whole rotations off a body's angle. Box2D keeps angles in single precision: after an hour
+/// of spinning, the rotation of one step would be lost in rounding.
 void Unwind(b2Body& body) {
-  if (!IsWound(body)) return;
-  constexpr float kFullRotation = 2.0f * b2_pi;
-  const float excess = std::round(body.GetAngle() / kFullRotation) * kFullRotation;
-  std::vector<b2Body*> group{&body};
-  for (size_t i = 0; i < group.size(); ++i) {
-    b2Body& member = *group[i];
-    member.SetTransform(member.GetPosition(), member.GetAngle() - excess);
-    for (b2JointEdge* edge = member.GetJointList(); edge != nullptr; edge = edge->next) {
-      const bool compares = edge->joint->GetType() != e_revoluteJoint ||
-                            static_cast<b2RevoluteJoint*>(edge->joint)->IsLimitEnabled();
-      const bool is_new = std::find(group.begin(), group.end(), edge->other) == group.end();
-      if (compares && is_new) group.push_back(edge->other);
-    }
-  }
+  if (IsWound(body)) AddRotations(body, -std::round(body.GetAngle() / kFullRotation));
 }
 
 }  // namespace

@@ -6,6 +6,11 @@
 #include "to_box2d.hpp"
 
 namespace flatland {
+namespace {
+
+constexpr char kNotDynamic[] = "only a dynamic body has a mass";
+
+}  // namespace
 
 b2Body& World::Find(Body body) const {
   RequireAccess();
@@ -41,7 +46,7 @@ World::Body World::AddBody(const BodySettings& settings) {
   definition.angularDamping = static_cast<float>(settings.angular_damping);
   BodyRecord record;
   record.body = world_->CreateBody(&definition);
-  record.SetMass();
+  record.ResetMass();
   record.may_move = settings.type != b2_staticBody || IsWound(*record.body);
   return bodies_.Add(std::move(record));
 }
@@ -150,14 +155,38 @@ double World::GetInertia(Body body) const {
 
 Vec2 World::GetCenter(Body body) const { return FromBox2D(Find(body).GetWorldCenter()); }
 
-template <class Apply>
-void World::ApplyOrDefer(Body body, Apply apply) {
-  b2Body& found = Find(body);
-  if (IsInCallback()) {
-    contacts_.Defer(body, apply);
-  } else {
-    apply(found);
+Vec2 World::GetLocalCenter(Body body) const { return FromBox2D(Find(body).GetLocalCenter()); }
+
+void World::SetMass(Body body, double mass, std::optional<double> inertia,
+                    std::optional<Vec2> center) {
+  const b2Body& found = Find(body);
+  Require(found.GetType() == b2_dynamicBody, kNotDynamic);
+  Require(mass >= kMinMass && mass <= kMaxMass, "a mass must be 1e-12 to 1e12 kg");
+  if (center) RequirePosition(*center);
+  const double about_center = inertia.value_or(GetInertia(body) / found.GetMass() * mass);
+  b2MassData data;
+  data.mass = static_cast<float>(mass);
+  data.center = center ? ToBox2D(*center) : found.GetLocalCenter();
+  data.I = static_cast<float>(about_center + mass * data.center.LengthSquared());
+  if (inertia || data.I != 0.0f) {  // a body of no density has none
+    Require(about_center >= kMinInertia && about_center <= kMaxInertia,
+            "a body needs a moment of inertia of 1e-24 to 1e24 kg m^2");
+    RequireInertia(data, "an inertia is too small for the mass, so far from the body's origin");
   }
+  SetMassData(body, data);
+}
+
+void World::ResetMass(Body body) {
+  Require(Find(body).GetType() == b2_dynamicBody, kNotDynamic);
+  SetMassData(body, bodies_.Get(body).mass.ToBox2D());
+}
+
+void World::SetMassData(Body body, const b2MassData& data) {
+  ApplyOrDefer(body, [this, body, data](b2Body&) {
+    BodyRecord& record = bodies_.Get(body);
+    record.SetMass(data);
+    record.nearby.is_current = false;  // its walls are those around its centre
+  });
 }
 
 void World::ApplyForce(Body body, Vec2 force, std::optional<Vec2> point) {

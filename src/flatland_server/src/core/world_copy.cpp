@@ -40,6 +40,8 @@ std::unique_ptr<World> World::Copy() const {
   copy->mechanisms_.drifts = MountedMap<BodyDrift>("drift");  // no copy's odometry is read
   // In the order in which they were added, which determines the tree of bounding boxes.
   copy->bodies_.ForEach([&](Body, BodyRecord& record) {
+    b2MassData mass;
+    record.body->GetMassData(&mass);
     b2BodyDef definition = box2d::DefinitionOf(*record.body);
     record.body = copy->world_->CreateBody(&definition);
     record.contact_events = kNoContactEvents;
@@ -59,7 +61,7 @@ std::unique_ptr<World> World::Copy() const {
     for (BodyRecord::FixtureRecord& each : record.fixtures) {
       each.fixture = CopyFixture(*record.body, *each.fixture);
     }
-    record.SetMass();
+    record.SetMass(mass);
   });
   const auto copy_of = [&](b2Body* old) {
     const auto index = static_cast<uint32_t>(old->GetUserData().pointer);

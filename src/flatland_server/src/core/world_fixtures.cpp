@@ -146,7 +146,7 @@ Fixture World::AddFixture(Body handle, const b2Shape& shape, const FixtureSettin
   b2Fixture* const fixture = MakeFixture(body, index, shape, settings);
   if (has_mass && settings.density != 0.0) {
     record.mass = mass;
-    record.SetMass();
+    record.ResetMass();
   }
   record.fixtures.push_back({fixture, settings.visible, BoundingRadius(shape), settings.collides});
   record.nearby.is_current = false;  // it reaches farther
@@ -200,7 +200,7 @@ void World::SetShape(Fixture fixture, const b2Shape& shape, std::optional<LayerB
     record.fixtures[i].fixture->SetDensity(densities[i]);
   }
   record.mass = mass;
-  record.SetMass();
+  record.ResetMass();
   record.nearby.is_current = false;
   WakeBodiesNear(body);
   body.SetAwake(true);

@@ -1,10 +1,21 @@
 /// World: joints.
 
+#include "box2d_internals.hpp"
 #include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
 #include "to_box2d.hpp"
 
 namespace flatland {
+namespace {
+
+void RequireLimits(const std::optional<JointLimits>& limits) {
+  if (!limits) return;
+  const auto [lower, upper] = *limits;
+  Require(IsUsable(lower) && IsUsable(upper) && lower <= upper,
+          "a joint's limits must be finite, the lower one first");
+}
+
+}  // namespace
 
 World::Joint World::AddJoint(const b2JointDef& definition) {
   Require(definition.bodyA != definition.bodyB, "a joint needs two bodies");
@@ -18,6 +29,7 @@ World::Joint World::AddJoint(const b2JointDef& definition) {
 World::Joint World::AddRevolute(Body a, Body b, const RevoluteSettings& settings) {
   RequirePosition(settings.anchor_a);
   RequirePosition(settings.anchor_b);
+  RequireLimits(settings.limits);
   b2RevoluteJointDef definition;
   definition.bodyA = &Find(a);
   definition.bodyB = &Find(b);
@@ -25,12 +37,9 @@ World::Joint World::AddRevolute(Body a, Body b, const RevoluteSettings& settings
   definition.localAnchorB = ToBox2D(settings.anchor_b);
   definition.collideConnected = settings.collide_connected;
   if (settings.limits) {
-    const auto [lower, upper] = *settings.limits;
-    Require(IsUsable(lower) && IsUsable(upper) && lower <= upper,
-            "a joint's limits must be finite, the lower one first");
     definition.enableLimit = true;
-    definition.lowerAngle = static_cast<float>(lower);
-    definition.upperAngle = static_cast<float>(upper);
+    definition.lowerAngle = static_cast<float>(settings.limits->first);
+    definition.upperAngle = static_cast<float>(settings.limits->second);
   }
   return AddJoint(definition);
 }
@@ -72,6 +81,65 @@ double World::GetJointAngle(Joint joint) const {
     angle -= static_cast<b2WeldJoint*>(found)->GetReferenceAngle();
   }
   return WrappedAngle(angle);
+}
+
+double World::GetJointSpeed(Joint joint) const {
+  RequireAccess();
+  b2Joint* found = joints_.Get(joint);
+  return found->GetBodyB()->GetAngularVelocity() - found->GetBodyA()->GetAngularVelocity();
+}
+
+b2RevoluteJoint& World::FindHinge(Joint joint) const {
+  RequireAccess();
+  b2Joint* const found = joints_.Get(joint);
+  Require(found->GetType() == e_revoluteJoint, "a weld has no limits and no motor");
+  return static_cast<b2RevoluteJoint&>(*found);
+}
+
+std::optional<JointLimits> World::GetLimits(Joint joint) const {
+  const b2RevoluteJoint& hinge = FindHinge(joint);
+  if (!hinge.IsLimitEnabled()) return std::nullopt;
+  return JointLimits(hinge.GetLowerLimit(), hinge.GetUpperLimit());
+}
+
+void World::SetLimits(Joint joint, const std::optional<JointLimits>& limits) {
+  RequireLimits(limits);
+  ApplyOrDefer(joint, [this, limits](b2RevoluteJoint& hinge) {
+    const auto [lower, upper] = limits.value_or(JointLimits());
+    if (limits && !hinge.IsLimitEnabled()) {
+      const double raw = hinge.GetJointAngle(), middle = 0.5 * (lower + upper);
+      double angle = WrappedAngle(raw);
+      if (angle < lower || angle > upper) angle = middle + WrappedAngle(raw - middle);
+      const auto rotations = static_cast<float>(std::round((raw - angle) / (2.0 * M_PI)));
+      if (rotations != 0.0f) {
+        AddRotations(*hinge.GetBodyB(), -rotations);
+        bodies_.ChangePoses();
+      }
+    }
+    hinge.EnableLimit(limits.has_value());
+    hinge.SetLimits(static_cast<float>(lower), static_cast<float>(upper));
+  });
+}
+
+std::optional<JointMotor> World::GetMotor(Joint joint) const {
+  const b2RevoluteJoint& hinge = FindHinge(joint);
+  if (!hinge.IsMotorEnabled()) return std::nullopt;
+  return JointMotor{hinge.GetMotorSpeed(), hinge.GetMaxMotorTorque()};
+}
+
+void World::SetMotor(Joint joint, const std::optional<JointMotor>& motor) {
+  const JointMotor values = motor.value_or(JointMotor());
+  Require(IsUsable(values.speed), "a motor's speed must be finite");
+  RequireNotNegative(values.max_torque, "a motor's torque must be finite and not negative");
+  ApplyOrDefer(joint, [values, is_on = motor.has_value()](b2RevoluteJoint& hinge) {
+    hinge.EnableMotor(is_on);
+    hinge.SetMotorSpeed(static_cast<float>(values.speed));
+    hinge.SetMaxMotorTorque(static_cast<float>(values.max_torque));
+  });
+}
+
+double World::GetMotorTorque(Joint joint) const {
+  return FindHinge(joint).GetMotorTorque(box2d::InverseStep(*world_));
 }
 
 }  // namespace flatland

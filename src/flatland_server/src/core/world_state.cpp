@@ -1,8 +1,8 @@
 /// World: saving and restoring its state.
 ///
-/// Box2D has no functions for this. What a step depends on is copied: bodies, the impulses of
-/// joints, contacts in their order, and the tree of bounding boxes (saved_tree.hpp), which depends
-/// on the whole past and decides in which order contacts are found, hence solved.
+/// Box2D has no functions for this. What a step depends on is copied: bodies, joints with their
+/// impulses, contacts in their order, and the tree of bounding boxes (saved_tree.hpp), which
+/// depends on the whole past and decides in which order contacts are found, hence solved.
 
 #include "world_state.hpp"
 
@@ -20,7 +20,7 @@
 namespace flatland {
 namespace {
 
-constexpr uint32_t kFormat = 2;
+constexpr uint32_t kFormat = 3;
 
 // ---- Reading the state of Box2D's objects ----
 
@@ -40,6 +40,7 @@ BodyState StateOf(const BodyRecord& record) {
   state.torque = box2d::Torque(body);
   state.sleep_time = box2d::SleepTime(body);
   state.is_awake = body.IsAwake();
+  body.GetMassData(&state.mass);
   bool all_equal = true;
   for (const BodyRecord::FixtureRecord& each : fixtures) {
     state.materials.push_back(MaterialOf(*each.fixture));
@@ -55,19 +56,26 @@ BodyState StateOf(const BodyRecord& record) {
   return state;
 }
 
-std::array<float, 5> ImpulsesOf(b2Joint& joint) {
+JointState StateOf(b2Joint& joint) {
   if (joint.GetType() == e_weldJoint) {
     const b2Vec3 impulse = box2d::WeldInternals::Impulse(static_cast<b2WeldJoint&>(joint));
-    return {impulse.x, impulse.y, impulse.z, 0.0f, 0.0f};
+    return {{impulse.x, impulse.y, impulse.z, 0.0f, 0.0f}};
   }
   using Internals = box2d::RevoluteInternals;
   auto& hinge = static_cast<b2RevoluteJoint&>(joint);
   const b2Vec2 impulse = Internals::Impulse(hinge);
-  return {impulse.x, impulse.y, Internals::MotorImpulse(hinge), Internals::LowerImpulse(hinge),
-          Internals::UpperImpulse(hinge)};
+  return {{impulse.x, impulse.y, Internals::MotorImpulse(hinge), Internals::LowerImpulse(hinge),
+           Internals::UpperImpulse(hinge)},
+          hinge.IsLimitEnabled(),
+          hinge.GetLowerLimit(),
+          hinge.GetUpperLimit(),
+          hinge.IsMotorEnabled(),
+          hinge.GetMotorSpeed(),
+          hinge.GetMaxMotorTorque()};
 }
 
-void SetImpulses(b2Joint& joint, const std::array<float, 5>& impulses) {
+void RestoreJoint(b2Joint& joint, const JointState& state) {
+  const std::array<float, 5>& impulses = state.impulses;
   if (joint.GetType() == e_weldJoint) {
     box2d::WeldInternals::Impulse(static_cast<b2WeldJoint&>(joint)) = {impulses[0], impulses[1],
                                                                        impulses[2]};
@@ -75,6 +83,11 @@ void SetImpulses(b2Joint& joint, const std::array<float, 5>& impulses) {
   }
   using Internals = box2d::RevoluteInternals;
   auto& hinge = static_cast<b2RevoluteJoint&>(joint);
+  hinge.EnableLimit(state.has_limits);
+  hinge.SetLimits(state.lower, state.upper);
+  hinge.EnableMotor(state.has_motor);
+  hinge.SetMotorSpeed(state.speed);
+  hinge.SetMaxMotorTorque(state.max_torque);
   Internals::Impulse(hinge) = {impulses[0], impulses[1]};
   Internals::MotorImpulse(hinge) = impulses[2];
   Internals::LowerImpulse(hinge) = impulses[3];
@@ -149,6 +162,7 @@ void MakeContact(b2World& world, b2Fixture& a, b2Fixture& b, const ContactState&
 
 /// Sets all but the contacts of a body; these wake it when they are made.
 void RestoreMotion(b2Body& body, const BodyState& state) {
+  body.SetMassData(&state.mass);
   box2d::Transform(body) = b2Transform(state.position, b2Rot(state.sweep.a));
   b2Sweep& sweep = box2d::Sweep(body);
   const b2Vec2 center = sweep.localCenter;
@@ -273,7 +287,7 @@ WorldState WorldState::Of(const World& world) {
     }
   });
   world.joints_.ForEach(
-      [&](World::Joint, b2Joint* joint) { state.joints.push_back(ImpulsesOf(*joint)); });
+      [&](World::Joint, b2Joint* joint) { state.joints.push_back(StateOf(*joint)); });
   for (b2Contact* c = world.world_->GetContactList(); c != nullptr; c = c->GetNext()) {
     const auto end_of = [&](b2Fixture& fixture) {
       return ContactState::End{order[fixture.GetBody()->GetUserData().pointer],
@@ -334,8 +348,7 @@ void WorldState::Serialize(Archive& archive, const World& world) {
   size_t joint_index = 0;
   world.joints_.ForEach([&](World::Joint, const b2Joint* joint) {
     archive.Same(joint->GetType(), "the type of a joint");
-    for (float& impulse : joints[joint_index]) archive(impulse);
-    ++joint_index;
+    archive(joints[joint_index++]);
   });
   auto count = static_cast<uint32_t>(contacts.size());
   archive(count);
@@ -445,7 +458,7 @@ void WorldState::Restore(World& world) const {
   tree.Restore(box2d_world, FixturesOf(world.bodies_, *world.layers_), *walls);
   size_t joint_index = 0;
   world.joints_.ForEach(
-      [&](World::Joint, b2Joint* joint) { SetImpulses(*joint, joints[joint_index++]); });
+      [&](World::Joint, b2Joint* joint) { RestoreJoint(*joint, joints[joint_index++]); });
   RestoreMechanisms(world.mechanisms_, mechanisms);
   for (auto contact = contacts.rbegin(); contact != contacts.rend(); ++contact) {
     b2Fixture* const a =

@@ -5,7 +5,9 @@
 #include <box2d/box2d.h>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -47,6 +49,7 @@ struct BodyState {
   float torque = 0.0f;            // the same [N m]
   float sleep_time = 0.0f;        // for how long it has been at rest [s]
   bool is_awake = true;
+  b2MassData mass{};
   std::vector<Material> materials;  // of its fixtures, or a single one if all are equal
   // Not of layers:
   std::vector<uint32_t> order;  // of its fixtures in Box2D's list: their indices
@@ -57,8 +60,37 @@ struct BodyState {
   void Serialize(Archive& archive) {
     archive(position, sweep.c0, sweep.c, sweep.a0, sweep.a, velocity, omega);
     archive(force, torque, sleep_time, is_awake);
+    // As bits: a heavy body may have more than what is taken from users.
+    std::array<uint32_t, 4> bits;
+    static_assert(sizeof bits == sizeof mass);
+    std::memcpy(&bits, &mass, sizeof mass);
+    for (uint32_t& each : bits) archive(each);
     if constexpr (Archive::kIsReader) {
-      if (sleep_time < 0.0f) Archive::Fail();
+      std::memcpy(static_cast<void*>(&mass), &bits, sizeof mass);
+      const float about_center = mass.I - mass.mass * b2Dot(mass.center, mass.center);
+      const bool has_inertia = about_center > 0.0f && std::isfinite(about_center);
+      const bool is_sound = std::isfinite(mass.mass) && (has_inertia || mass.I == 0.0f);
+      if (sleep_time < 0.0f || mass.mass < 0.0f || !is_sound) Archive::Fail();
+    }
+  }
+};
+
+/// Of a weld: the impulses alone.
+struct JointState {
+  std::array<float, 5> impulses{};  // the solver's
+  bool has_limits = false;
+  float lower = 0.0f;  // [rad]
+  float upper = 0.0f;
+  bool has_motor = false;
+  float speed = 0.0f;       // of the motor [rad/s]
+  float max_torque = 0.0f;  // [N m]
+
+  template <class Archive>
+  void Serialize(Archive& archive) {
+    for (float& impulse : impulses) archive(impulse);
+    archive(has_limits, lower, upper, has_motor, speed, max_torque);
+    if constexpr (Archive::kIsReader) {
+      if (lower > upper || max_torque < 0.0f) Archive::Fail();
     }
   }
 };
@@ -120,11 +152,11 @@ struct WorldState {
   /// bodies that stay at the same places.
   void RequireSameStill(const World& world) const;
 
-  float inverse_step = 0.0f;                 // one over the length of the last step [1/s]
-  bool has_new_contacts = false;             // something was moved since
-  std::vector<BodyState> bodies;             // each in the order in which they were added
-  std::vector<std::array<float, 5>> joints;  // the solver's impulses
-  std::vector<ContactState> contacts;        // in Box2D's order: the newest first
+  float inverse_step = 0.0f;      // one over the length of the last step [1/s]
+  bool has_new_contacts = false;  // something was moved since
+  std::vector<BodyState> bodies;  // each in the order in which they were added
+  std::vector<JointState> joints;
+  std::vector<ContactState> contacts;  // in Box2D's order: the newest first
   Mechanisms mechanisms;
   SlotMap<Crowd> crowds{"crowd"};
   SavedTree tree;

@@ -170,7 +170,7 @@ class World(metaclass=_Metaclass):
             that contain the pose are not seen.
         """
     def save_state(self) -> bytes:
-        """The dynamic state: poses, velocities, contacts, joints, drives and tweens.
+        """The dynamic state: poses, velocities, masses, contacts, joints, drives and tweens.
 
         This world and one that `restore_state` puts into this state run alike, bit for bit.
         """
@@ -672,6 +672,32 @@ class Body(_WithoutConstructor):
     def center(self) -> _Pair:
         """Centre of mass in the world [m]."""
     @property
+    def local_center(self) -> _Pair:
+        """Centre of mass in the body's frame [m]."""
+    def set_mass(
+        self,
+        mass: float,
+        *,
+        inertia: float | None = None,
+        local_center: _PairLike | None = None,
+    ) -> None:
+        """Gives a dynamic body another mass than that of its fixtures.
+
+        It is in saved states. `reset_mass`, a further fixture with a density, another shape of one
+        (`Model.set_footprint`) and a reset of the world end it. The velocity of the body's origin
+        stays. A contact listener's mass counts from the end of the step on.
+
+        Args:
+            mass: 1e-12 to 1e12 [kg].
+            inertia: about the centre of mass, 1e-24 to 1e24 [kg m^2]; None: it grows with the mass.
+            local_center: centre of mass in the body's frame [m]; None leaves it where it is.
+
+        Raises:
+            ValueError: the body is not dynamic, or cannot have this mass; nothing has changed.
+        """
+    def reset_mass(self) -> None:
+        """Gives a dynamic body the mass of its fixtures, as it had before `set_mass`."""
+    @property
     def awake(self) -> bool:
         """True if Box2D simulates it; a body at rest falls asleep."""
     def listen_to_contacts(self, events: int) -> None:
@@ -706,6 +732,9 @@ class RelativePoses(metaclass=_Metaclass):
         A yaw in the world is in [-pi, pi]; one in the frame of a body is the difference of two
         such yaws.
         """
+
+def set_stamp_offset(nanoseconds: int) -> None:
+    """Sets the difference between stamps and simulated time [ns], of all messages written here."""
 
 class BodyMessage(metaclass=_Metaclass):
     """The bytes of a message with present poses and velocities of bodies among constants.
@@ -1023,6 +1052,35 @@ class Joint(_WithoutConstructor):
 
         Of a weld, minus the weld's own angle.
         """
+    @property
+    def speed(self) -> float:
+        """The rate of the angle [rad/s]."""
+    @property
+    def limits(self) -> _Pair | None:
+        """Lower and upper limit of the angle [rad], in single precision; None: it turns freely.
+
+        Can be set. The whole rotations of a joint that was free do not count then: its angle is
+        `angle`, or, if the limits do not contain that, the one nearest to their middle among those
+        that look alike. Limits and `motor` are in saved states, and a reset of the world makes them
+        what the file says. What a contact listener sets counts from the end of the step on.
+
+        Raises:
+            ValueError: the joint is a weld, which has neither, or the value is not finite, or the
+                lower limit above the upper one; nothing has changed.
+        """
+    @limits.setter
+    def limits(self, value: _PairLike | None) -> None: ...
+    @property
+    def motor(self) -> _Pair | None:
+        """Speed to reach [rad/s], and the greatest torque for it [N m], 0 or more; None: no motor.
+
+        Can be set, see `limits`. A speed of 0 brakes.
+        """
+    @motor.setter
+    def motor(self, value: _PairLike | None) -> None: ...
+    @property
+    def motor_torque(self) -> float:
+        """The torque that the motor had in the last step [N m], on the second body."""
 
 class Drive(_WithoutConstructor):
     """A handle of a body's drive. Velocities are those of the body's origin, in its frame."""

@@ -203,9 +203,21 @@ def suggestion(word: str, known: Iterable[str]) -> str:
         word: the word that is not known.
         known: the words that it may stand for; the first 200 are compared.
     """
+    near = nearest(word, known)
+    return "" if near is None else f' (did you mean "{near}"?)'
+
+
+def nearest(word: str, known: Iterable[str]) -> Optional[str]:
+    """The word that a misspelt one may stand for, whatever its case; None without one.
+
+    Args:
+        word: as for `suggestion`.
+        known: as for `suggestion`.
+    """
     if len(word) > _LONGEST_WORD:
-        return ""
+        return None
     import difflib  # takes a millisecond
 
-    near = difflib.get_close_matches(word, list(islice(known, _MAX_COMPARED)), n=1)
-    return f' (did you mean "{near[0]}"?)' if near else ""
+    words = {each.lower(): each for each in islice(known, _MAX_COMPARED)}
+    near = difflib.get_close_matches(word.lower(), words, n=1)
+    return words[near[0]] if near else None

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "flatland_server/world.hpp"
@@ -38,6 +39,37 @@ TEST_F(WorldTest, JointAngleIsThatOfBMinusThatOfA) {
   WeldSettings weld;
   weld.angle = 0.2;
   EXPECT_NEAR(world_.GetJointAngle(world_.AddWeld(a, b, weld)), 2.0 * M_PI - 6.2, 1e-6);
+}
+
+TEST_F(WorldTest, LimitsOfASpunHingeDoNotTurnItBack) {
+  const World::Body base = AddBox(world_, {0, 0, 0}, 0.1), wheel = AddBox(world_, {0, 0, 0}, 0.2);
+  const World::Body flag = AddBox(world_, {0.3, 0, 0}, 0.1);
+  const World::Joint hinge = world_.AddRevolute(base, wheel, {});
+  WeldSettings weld;
+  weld.anchor_a = {0.3, 0.0};
+  const World::Joint on_wheel = world_.AddWeld(wheel, flag, weld);
+  const auto excess = [&] {
+    return world_.GetPose(wheel).yaw - world_.GetPose(base).yaw - world_.GetJointAngle(hinge);
+  };
+  for (const double spin : {4.0, -4.0}) {
+    world_.SetMotor(hinge, JointMotor{spin, 1e3});
+    for (int step = 0; step < 2000 && std::abs(excess()) < 6.0; ++step) world_.Step(kStep);
+    ASSERT_GT(std::abs(excess()), 6.0) << "the bodies' angles differ by a whole rotation";
+    const double angle = world_.GetJointAngle(hinge);
+    world_.SetMotor(hinge, std::nullopt);
+    for (const World::Body body : {base, wheel, flag}) world_.Halt(body);
+
+    for (const double middle : {0.0, 3.0, -3.0}) {
+      const double near = middle + AngleBetween(middle, angle);
+      world_.SetLimits(hinge, JointLimits(std::min(near, middle), std::max(near, middle)));
+      for (int step = 0; step < 50; ++step) {
+        world_.Step(kStep);
+        ASSERT_NEAR(AngleBetween(angle, world_.GetJointAngle(hinge)), 0.0, 1e-3);
+        ASSERT_NEAR(world_.GetJointAngle(on_wheel), 0.0, 1e-3);
+      }
+      world_.SetLimits(hinge, std::nullopt);
+    }
+  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <limits>
+#include <optional>
 #include <ostream>
 #include <stdexcept>
 #include <string>
@@ -144,6 +145,11 @@ Refusal Weld(const char* name, double angle, double frequency, double damping) {
             w.AddWeld(box, other, settings);
           }};
 }
+Refusal Massive(const char* name, double mass, std::optional<double> inertia,
+                std::optional<Vec2> center) {
+  return {name,
+          [=](World& w, World::Body box, World::Body) { w.SetMass(box, mass, inertia, center); }};
+}
 Refusal Stepping(const char* name, double dt) {
   return {name, [dt](World& w, World::Body, World::Body) { w.Step(dt); }};
 }
@@ -163,9 +169,16 @@ INSTANTIATE_TEST_SUITE_P(
         Pushed("torque_of_nan", {0, 0}, kNaN), PushedAt("pushed_at_nan", {kNaN, 0}),
         PushedAt("pushed_at_inf", {0, kInfinity}), Struck("struck_by_nan", {0, kNaN}, 0),
         Struck("struck_by_inf", {kInfinity, 0}, 0), Struck("turned_by_nan", {0, 0}, kNaN),
-        Driven("driven_at_nan", {kNaN, 0, 0}), Damped("negative_linear_damping", -1, 0),
-        Damped("negative_angular_damping", 0, -1), Damped("damping_of_nan", kNaN, 0),
-        Damped("angular_damping_of_inf", 0, kInfinity)),
+        Driven("driven_at_nan", {kNaN, 0, 0}), Massive("mass_of_nan", kNaN, {}, {}),
+        Massive("mass_of_inf", kInfinity, {}, {}), Massive("no_mass", 0, {}, {}),
+        Massive("negative_mass", -1, 1, {}), Massive("mass_too_small", 1e-13, 1, {}),
+        Massive("inertia_of_nan", 1, kNaN, {}), Massive("no_inertia", 1, 0, {}),
+        Massive("negative_inertia", 1, -1, {}), Massive("inertia_of_inf", 1, kInfinity, {}),
+        Massive("centre_at_nan", 1, {}, Vec2{0, kNaN}),
+        Massive("centre_beyond_100_km", 1, {}, Vec2{1.1e5, 0}),
+        Massive("centre_too_far_for_the_inertia", 1, 1e-3, Vec2{100, 0}),
+        Damped("negative_linear_damping", -1, 0), Damped("negative_angular_damping", 0, -1),
+        Damped("damping_of_nan", kNaN, 0), Damped("angular_damping_of_inf", 0, kInfinity)),
     NameOf);
 
 INSTANTIATE_TEST_SUITE_P(

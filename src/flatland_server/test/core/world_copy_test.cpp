@@ -19,6 +19,13 @@ class WorldCopyTest : public WorldTest {
     WeldSettings weld;
     weld.anchor_a = {-0.6, 0.0};
     world_.AddWeld(driven_, other, weld);
+    arm_ = AddBox(world_, {1.6, 1.5, 0}, 0.3);
+    world_.SetMass(arm_, 3.0, 0.7, Vec2{0.04, -0.03});
+    RevoluteSettings hinge;
+    hinge.anchor_b = {-0.6, 0.0};
+    hinge_ = world_.AddRevolute(AddPost(world_, {1, 1.5, 0}), arm_, hinge);
+    world_.SetLimits(hinge_, JointLimits(-0.6, 0.5));
+    world_.SetMotor(hinge_, JointMotor{1.5, 0.4});
     box_ = AddBox(world_, {0, 0.2, 0.3}, 0.7);
     AddBox(world_, {0.9, 0, 0.2}, 0.6);
     const World::Body door = world_.AddBody(At({0, -1.5, 0}, b2_kinematicBody));
@@ -30,6 +37,8 @@ class WorldCopyTest : public WorldTest {
 
   World::Body driven_;
   World::Body box_;
+  World::Body arm_;
+  World::Joint hinge_;
   World::Drive drive_;
 };
 
@@ -49,11 +58,11 @@ TEST_F(WorldCopyTest, MakesTheSteps) {
       world->Get(drive_).Command({1.5, 0.0, step % 100 < 50 ? 0.8 : -0.7});
       world->Step(kStep);
     }
-    ExpectSame(world_, *copy, driven_);
-    ExpectSame(world_, *copy, box_);
+    for (const World::Body body : {driven_, box_, arm_}) ExpectSame(world_, *copy, body);
   }
   EXPECT_FALSE(world_.contacts().GetTouches().empty());
   EXPECT_EQ(copy->GetMass(driven_), world_.GetMass(driven_));
+  EXPECT_NEAR(world_.GetJointAngle(hinge_), 0.5, 0.04);
 }
 
 TEST_F(WorldCopyTest, IsIndependent) {
@@ -88,8 +97,14 @@ TEST_F(WorldCopyTest, GoesOnFromWhereItWas) {
 TEST_F(WorldCopyTest, OfALargeLayerIsForWorldsWithoutSteps) {
   World world(10, 10, 1);
   world.AddLayer({{{-3, -3}, {3, -3}}, {{3, -3}, {3, 3}}}, kAllLayers);
-  world.Copy();
+  const World::Body post = AddPost(world, {0, 0, 0}), box = AddBox(world, {0, 0, 0});
+  const World::Joint hinge = world.AddRevolute(post, box, {});
+  world.SetMass(box, 3.0, 0.7, Vec2{0.04, -0.03});
+  world.SetMotor(hinge, JointMotor{1.5, 0.4});
+  const std::unique_ptr<World> copy = world.Copy();
   world.Step(kStep);
+  copy->Step(kStep);
+  ExpectSame(world, *copy, box);
   EXPECT_THROW(world.Copy(), std::invalid_argument);
 }
 

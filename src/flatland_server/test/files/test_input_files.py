@@ -118,7 +118,8 @@ def test_lines_without_length_and_further_columns_are_ignored_with_a_warning(goo
 
     assert len(good_files.load().get_layer("lines").segments) == 2
     assert [each.message.replace(f"{good_files.folder}/", "") for each in caplog.records] == [
-        'lines.dat:1: expected "x1 y1 x2 y2", found more, and in 1 further line: it is ignored',
+        "lines.dat:1: expected four numbers, x1 y1 x2 y2, found more, and in 1 further line: it is "
+        "ignored",
         "lines.yaml: expected walls of a micrometre or more, found 2 shorter ones, left out, "
         "the first in lines.dat:2",
     ]

@@ -42,9 +42,19 @@ TRAPS = {
      "robot.model.yaml:4: bodies[0].pose: expected an angle in rad, found 90"),
     "a weld in degrees": (MODEL, "enabled: false\n    angle: 0", "enabled: true\n    angle: 90",
      "robot.model.yaml:35: joints[1].angle: expected an angle in rad, found 90"),
+    "a hinge in degrees": (MODEL, "limits: [-1, 1]", "limits: [-45, 30]",
+     "robot.model.yaml:27: joints[0].limits: expected an angle in rad, found -45"),
+    "a lidar of no layers": (MODEL, "range: 10", "range: 10\n    layers: []",
+     "robot.model.yaml:50: plugins[1].layers: expected the layers that it sees, found none: it "
+     "sees nothing"),
+    "a tag": (WORLD, "[1, 2, 0.5]", "[1, 2, !degrees 1]",
+     "world.yaml:12: the tag \"!degrees\" is ignored"),
     "beams in degrees": (MODEL, "{min: -1, max: 1, increment: 0.1}",
      "{min: -90, max: 90, increment: 1}", "robot.model.yaml:50: plugins[1].angle.max: "
      "expected angles in rad, found a turn of 1.031e+04 degrees from min to max"),
+    "beams in degrees, clockwise": (MODEL, "{min: -1, max: 1, increment: 0.1}",
+     "{min: 90, max: -90, increment: -1}", "robot.model.yaml:50: plugins[1].angle.max: "
+     "expected angles in rad, found a turn of -1.031e+04 degrees from min to max"),
     "a radius in millimetres": (MODEL, "radius: 0.5", "radius: 500", 'robot.model.yaml:2: '
      'bodies[0] "base": expected metres, found a footprint 500 m away, in a world of 10 m'),
     "a place in millimetres": (WORLD, "[1, 2, 0.5]", "[1000, 2000, 0.5]",
@@ -146,6 +156,18 @@ def test_an_image_is_turned_as_its_exif_data_say(good_files, kind, orientation, 
     assert np.array_equal(walls.max(0), low + size)
 
 
+def test_a_polygon_that_is_closed_by_its_first_point_is_as_without_it(good_files, caplog):
+    good_files.edit(MODEL, "[0.02, 0.1]]", "[0.02, 0.1], [0.02, 0]]")
+    good_files.edit(MODEL, "range: 10", "range: 10\n    origin: [0.2, 0.1, 0]")
+
+    with python_warnings.catch_warnings():
+        python_warnings.simplefilter("error")
+        good_files.load()
+
+    [found] = of_folder(good_files, warnings(caplog))
+    assert "is on the outline" in found
+
+
 # Places
 
 
@@ -204,6 +226,19 @@ def test_a_model_alone_in_millimetres_is_a_warning(files, caplog, capsys, monkey
 
     [found] = warnings(caplog)
     assert found.endswith("expected metres, found a footprint 200 m away")
+
+
+def test_a_model_that_is_spawned_has_warnings_of_its_sensors(files, caplog):
+    plugins = f"{DRIVE}, {LASER}, body: base, origin: [0.2, 0, 0]}}"
+    files.write(MODEL, f"bodies: [{DISC}]\nplugins: [{plugins}]\n")
+    files.write(WORLD, ROOM)
+
+    world = files.load()
+    for number in range(2):
+        world.spawn_model(files.folder / MODEL, f"r{number}", f"r{number}", (number, 0.0, 0.0))
+
+    [found] = [each for each in of_folder(files, warnings(caplog)) if "outline" in each]
+    assert found.startswith("robot.model.yaml:2: plugins[1].origin: is on the outline of a foot")
 
 
 def test_environments_and_simulations_do_not_repeat_a_warning(files, caplog):

@@ -179,10 +179,10 @@ def test_problems_of_several_files_are_reported_together(good_files):
     assert good_files.refusal().splitlines() == [
         "world.yaml:1: properties.velocity_iterations: expected a whole number of 1 or more, "
         "found 0",
-        'world.yaml:5: layers[0].color: expected [r, g, b, alpha], found "grey"',
+        'world.yaml:5: layers[0].color: expected [r, g, b, alpha], each 0 to 1, found "grey"',
         "map.yaml:2: resolution: expected a number above 0, found 0",
         "map.yaml:1: image: expected a file, but office.png is not there",
-        'lines.dat:2: expected "x1 y1 x2 y2", found "2 3 -1"',
+        'lines.dat:2: expected four numbers, x1 y1 x2 y2, found "2 3 -1"',
         "world.yaml:12: models[0].pose: expected [x, y, yaw], found [1, 2]",
         "robot.model.yaml:11: bodies[0].footprints[0].radius: "
         "expected a number above 0, found -0.5",

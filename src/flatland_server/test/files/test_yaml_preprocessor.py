@@ -157,6 +157,10 @@ def test_a_string_that_only_resembles_a_keyword_is_kept(read, text):
 # Expressions
 
 
+def test_an_expression_may_begin_with_a_bracket(read):
+    assert read("foo: $eval(1 + 2) * 3\n") == {"foo": 9}
+
+
 @pytest.mark.parametrize(
     ("expression", "value"),
     [

@@ -65,6 +65,7 @@ MISDEEDS = (
     *("random_messages_of_rosbridge", "random_messages_of_foxglove", "wrong_http", "broken_frames"),
     *("silent_connections", "killed_clients", "subscription_storm", "many_ids", "many_fragments"),
     *("unanswered_calls", "many_calls", "slow_calls", "stalled_readers", "no_descriptors"),
+    "many_parameters",
 )
 
 
@@ -242,7 +243,11 @@ class Misdeeds:
                 while time.monotonic() < end:
                     new = [f"/storm_{rng.randrange(10_000)}" for _ in range(20)]
                     for topic in [*rng.sample(topics, 8), *new]:
-                        peer.send(_subscribe(topic, rng.choice(["none", "cbor", "cbor-raw"])))
+                        for number in rng.sample(range(3), 2):
+                            how = rng.choice(["none", "cbor", "cbor-raw"])
+                            throttle = {"id": number, "throttle_rate": rng.choice([0, 0, 50])}
+                            peer.send(_subscribe(topic, how, **throttle))
+                        peer.send(json.dumps({"op": "unsubscribe", "topic": topic, "id": 1}))
                         peer.send(json.dumps({"op": "unsubscribe", "topic": topic}))
                     _drain(peer)
 
@@ -270,6 +275,17 @@ class Misdeeds:
             offering.send(json.dumps(service))
             ask(offering, "/rosapi/get_time")
             self._flood(_call("/never", text=LARGE) for _ in range(1000))
+
+    def many_parameters(self) -> None:
+        """A client that sets long parameters, most of which are refused."""
+        value = json.dumps(LARGE)
+        deep = "[" * 90 + "[]," * 200_000 + "[]" + "]" * 90
+        parameters = {**{f"/many/{number}": value for number in range(20)}, "/many/deep": deep}
+        self._flood(
+            _call("/rosapi/set_param", name=name, value=value) for name, value in parameters.items()
+        )
+        with Peer(self._bridge.rosbridge) as peer:
+            ask(peer, "/rosapi/delete_param", name="/many")
 
     def many_calls(self) -> None:
         """A hundred calls of some clients at once, of which each takes a moment."""
@@ -372,8 +388,8 @@ def _call(service: str, /, **arguments: Any) -> str:
     return json.dumps({"op": "call_service", "service": service, "id": "soak", "args": arguments})
 
 
-def _subscribe(topic: str, compression: str) -> str:
-    return json.dumps({"op": "subscribe", "topic": topic, "compression": compression})
+def _subscribe(topic: str, compression: str, **options: Any) -> str:
+    return json.dumps({"op": "subscribe", "topic": topic, "compression": compression, **options})
 
 
 def _drain(peer: Peer) -> None:

@@ -21,9 +21,8 @@ STARTS: Dict[str, Callable[[ExitStack, Path, Path], Bridge]] = {
 }
 MOST_PEAK = 300.0
 """Memory of clients for a moment [MB]: eight at their limits, decoded."""
-SLACK = {"serve": 8, "bridge": 20}
-"""Files and threads that each may have more than at its start: workers start when needed, and the
-node keeps a publisher for each topic of others that clients have published on."""
+SLACK = 8
+"""Files and threads that each may have more than at its start: workers start when needed."""
 AT_START = 2.0
 """Time for which files and threads are counted at first [s]: the node asks every 0.5 s."""
 MOST_KEPT = 150.0
@@ -147,8 +146,8 @@ class BridgeSoak:
         if not _comes(lambda: not self._missing(now), 2 * LIMIT):
             missing = self._missing(now)
             findings.expect(False, f"{what}: honest clients get nothing on {missing}")
-        start, slack = self._at_start, SLACK[self.kind]
-        most = start._replace(open_files=start.open_files + slack, threads=start.threads + slack)
+        start = self._at_start
+        most = start._replace(open_files=start.open_files + SLACK, threads=start.threads + SLACK)
         if not _comes(lambda: bridge.usage().has_no_more_than(most), 4 * LIMIT):
             usage = bridge.usage()
             findings.expect(False, f"{what}: {usage} has not gone back to {start}")

@@ -29,6 +29,9 @@ NAMES = (
     "/fuzzed_0/x",
 )
 ABOUT_TYPES = ("/rosapi/message_details", "/rosapi/service_request_details")
+ABOUT_PARAMETERS = tuple(
+    f"/rosapi/{verb}_param" for verb in ("set", "get", "has", "search", "delete")
+)
 NOT_CALLED = ("open_world", "reload_world", "load_world", "unload_world")
 """They would take the honest clients' topics away."""
 RAW = "raw-value-of-the-soak"
@@ -113,7 +116,8 @@ class RandomMessages:
         operation = rng.choice([*self._operations, *["publish", "call_service"] * 5])
         message: Dict[str, Any] = {"op": operation, "id": rng.choice(["a", "b", 7])}
         topic = rng.choice([*self._topics, *self._topics, *NAMES])
-        service = rng.choice([*self._services, *self._services, *ABOUT_TYPES, *NAMES])
+        ours = (*ABOUT_TYPES, *ABOUT_PARAMETERS)
+        service = rng.choice([*self._services, *self._services, *ours, *NAMES])
         kind = self._topics.get(topic) or rng.choice(TYPES)
         valid: Dict[str, Callable[[], Any]] = {
             "topic": lambda: topic,
@@ -163,6 +167,9 @@ class RandomMessages:
     def _request(self, service: str) -> Any:
         if service in ABOUT_TYPES:
             return {"type": self._rng.choice(TYPES)}
+        if service in ABOUT_PARAMETERS:
+            value = self._rng.choice([json.dumps(self._rng.choice(WORDS)), *JSON_VALUES])
+            return {"name": self._rng.choice(NAMES), "value": value, "default": self._odd()}
         kind = self._services.get(service)
         return self._content(kind._type) if kind else self._odd()
 

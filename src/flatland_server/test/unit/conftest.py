@@ -31,13 +31,15 @@ class Files(WorldFiles):
 @pytest.fixture
 def unpatched_rospy(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
     """Undoes patches of rospy after the test; rospy's own class of connections."""
-    from rospy import topics
+    from rospy import msg, topics
     from rospy.impl import registration, tcpros_base
     from rospy.impl.statistics import SubscriberStatisticsLogger
 
     for owner, name in (
         (topics, "QueuedConnection"),
         (topics, "Poller"),
+        (msg, "deserialize_messages"),
+        (tcpros_base, "deserialize_messages"),
         (SubscriberStatisticsLogger, "is_enabled"),
     ):
         monkeypatch.setattr(owner, name, getattr(owner, name))

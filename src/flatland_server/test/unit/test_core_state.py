@@ -39,7 +39,8 @@ class Parts:
         self.drive = a.add_drive((1.0, 1.0, 0.0), (2.0, 2.0, 0.0))
         base, wheel = self.bodies[-1], self.bodies[-2]
         wheel.pose = base.pose
-        joint = base.add_revolute(wheel, (0.0, 0.0), (0.0, 0.0))
+        self.joints.append(base.add_revolute(wheel, (0.0, 0.0), (0.0, 0.0)))
+        joint = self.joints[-1]
         self.tricycle = base.add_tricycle(joint, (-0.5, 0.0), 1.0, (1.0, 1.0, 0.0), (2.0, 2.0, 0.0))
         self.tween = self.bodies[9].add_tween((1.0, 0.5, 1.0), 0.7, "trigger", "cubicInOut")
         for body in self.bodies:
@@ -61,6 +62,15 @@ class Parts:
         self.drive.command(draw.uniform(-1, 1), 0.2, draw.uniform(-2, 2))
         self.tricycle.command(draw.uniform(-1, 1), draw.uniform(-1, 1))
         self.tween.trigger(draw.random() < 0.7)
+        for joint in (self.joints[0], self.joints[-1]):
+            joint.motor = (draw.uniform(-3, 3), draw.random()) if draw.random() < 0.8 else None
+            joint.limits = (
+                (draw.uniform(-9, 0), draw.uniform(0, 9)) if draw.random() < 0.8 else None
+            )
+        for body in self.bodies[10:20]:
+            center = draw.uniform(-0.1, 0.1), draw.uniform(-0.1, 0.1)
+            body.set_mass(draw.uniform(0.05, 0.3), inertia=draw.random(), local_center=center)
+        self.bodies[10 + draw.randrange(10)].reset_mass()
 
     def run(self, seed: int, steps: int = 300) -> "Parts":
         """Makes steps, with pushes and commands in between."""
@@ -76,6 +86,8 @@ class Parts:
         events, self.events = self.events, []
         bodies = [(*body.pose, *body.velocity, body.awake) for body in self.bodies]
         more = [joint.angle for joint in self.joints]
+        more += [(joint.limits, joint.motor) for joint in (self.joints[0], self.joints[-1])]
+        more += [(body.mass, body.inertia, body.local_center) for body in self.bodies]
         more += [*self.drive.velocity, self.tricycle.speed, self.tricycle.steer_angle]
         return [bodies, more, self.tween.progress, events]
 

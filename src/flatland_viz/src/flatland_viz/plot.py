@@ -8,6 +8,8 @@ import signal
 import sys
 import threading
 from collections import deque
+from importlib.machinery import PathFinder
+from pathlib import Path
 from typing import Any, Deque, Dict, List, Tuple
 
 import roslib.message
@@ -42,7 +44,7 @@ class Curves:
         topics = dict(rospy.get_published_topics()) if self._waiting else {}
         for name in list(self._waiting):
             topic, path = split(rospy.resolve_name(name), topics)
-            message_class = roslib.message.get_message_class(topics[topic]) if topic else None
+            message_class = message_class_of(topics[topic]) if topic else None
             if message_class is not None:
                 self._waiting.remove(name)
                 rospy.Subscriber(topic, message_class, self._receive, (topic, path), queue_size=50)
@@ -74,6 +76,20 @@ class Curves:
         points.append((now, value))
         while points[0][0] < now - self._seconds:
             points.popleft()
+
+
+def message_class_of(kind: str) -> Any:
+    """The class of a message type; None if there is none.
+
+    A publisher has named it, and importing a package could do anything: only one for which genpy
+    has made this type is imported.
+    """
+    package, _, name = kind.partition("/")
+    spec = PathFinder.find_spec(package) if package.isidentifier() else None
+    folders = (spec.submodule_search_locations if spec is not None and spec.origin else None) or ()
+    if not any(Path(folder, "msg", f"_{name}.py").is_file() for folder in folders):
+        return None
+    return roslib.message.get_message_class(kind)
 
 
 def _time_of(message: Any) -> float:

@@ -8,7 +8,7 @@ import roslib.message
 import rospy
 
 from flatland_viz.model_list import Topic
-from flatland_viz.topic_values import describe
+from flatland_viz.topic_values import describe, is_described
 
 _WINDOW = 2.0  # s of simulated time, in which messages are counted
 
@@ -59,8 +59,9 @@ class _Watched:
         self._last: Any = None
         self._value = ""
         self._counts: Deque[Tuple[float, int]] = deque()  # simulated time, messages until then
-        # rospy's subscribers of a topic share the first one's class, the trail's among them.
-        message_class = roslib.message.get_message_class(kind) if "/" in kind else None
+        # rospy's subscribers of a topic share the first one's class, the trail's among them. Other
+        # types are not looked up: the server has said their names, and that imports packages.
+        message_class = roslib.message.get_message_class(kind) if is_described(kind) else None
         self._subscriber = rospy.Subscriber(
             name, message_class or rospy.AnyMsg, self._receive, queue_size=10, buff_size=2**20
         )

@@ -15,6 +15,11 @@ def describe(kind: str, message: Any) -> str:
     return describer(message) if describer else ""
 
 
+def is_described(kind: str) -> bool:
+    """True if `describe` knows a type."""
+    return kind in _DESCRIBERS
+
+
 def number(value: float, digits: int = 2) -> str:
     """A number without a negative zero."""
     text = f"{value:.{digits}f}"

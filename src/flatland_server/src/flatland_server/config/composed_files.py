@@ -8,11 +8,13 @@ import io
 import threading
 from collections import OrderedDict
 from pathlib import Path
-from typing import Any, NamedTuple, Tuple
+from typing import Any, NamedTuple, Tuple, Union
 
 import yaml
 
 from flatland_server.config.input_files import MAX_YAML, read_input, too_large
+from flatland_server.config.syntax_errors import syntax_error
+from flatland_server.config.yaml_map import warn_once
 from flatland_server.config.yaml_values import is_null
 from flatland_server.exceptions import YamlError, shortened
 
@@ -98,14 +100,11 @@ def _compose(path: Path, content: bytes, count_before: int) -> ComposedFile:
         value_count, is_plain = _checked_structure(path, text, count_before)
         documents = list(yaml.compose_all(_named(text, path), Loader=_LOADER))
     except UnicodeDecodeError as error:
-        raise YamlError(path, f"is not UTF-8 text: byte {error.start} is wrong") from None
+        line = error.object.count(b"\n", 0, error.start) + 1
+        found = f"found the byte 0x{error.object[error.start]:02X}"
+        raise YamlError(path, f"is not UTF-8 text: {found}", line) from None
     except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark
-        line, column = (mark.line + 1, mark.column + 1) if mark else (None, None)
-        problem = shortened(" ".join(part for part in (error.context, error.problem) if part))
-        if mark and text[mark.index : mark.index + 1] == "\t":  # the parser does not say so
-            problem = "lines are indented by spaces, found a tab"
-        raise YamlError(path, f"is not valid YAML: {problem}", line, column) from None
+        raise syntax_error(path, text, error) from None
     except (yaml.YAMLError, RecursionError, ValueError) as error:
         reason = shortened(str(error).splitlines()[0])
         raise YamlError(path, f"is not valid YAML: {reason}") from None
@@ -126,9 +125,11 @@ def _checked_structure(path: Path, text: str, count_before: int) -> Tuple[int, b
     for event in yaml.parse(_named(text, path), Loader=_LOADER):
         if isinstance(event, yaml.ScalarEvent):
             if event.tag or event.anchor or "$" in event.value or event.value == "<<":
+                _warn_of_tag(path, event)
                 is_plain = False
         elif isinstance(event, yaml.CollectionStartEvent):
             if event.tag or event.anchor:
+                _warn_of_tag(path, event)
                 is_plain = False
             depth += 1
             if depth > MAX_DEPTH:
@@ -144,6 +145,13 @@ def _checked_structure(path: Path, text: str, count_before: int) -> Tuple[int, b
             problem = f"expected at most {MAX_VALUES} keys and values, found more"
             raise _error_at(path, event, problem)
     return count, is_plain and count <= MAX_ITEMS
+
+
+def _warn_of_tag(path: Path, event: Union[yaml.ScalarEvent, yaml.CollectionStartEvent]) -> None:
+    """Warns of a tag that is none of YAML's own, such as `!degrees`."""
+    tag = event.tag or "!"
+    if tag.startswith("!") and tag != "!":
+        warn_once(str(_error_at(path, event, f'the tag "{shortened(tag, 40)}" is ignored')))
 
 
 def _error_at(path: Path, event: yaml.Event, problem: str) -> YamlError:

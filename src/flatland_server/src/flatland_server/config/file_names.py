@@ -30,6 +30,8 @@ def to_path(name: Union[str, Path]) -> Path:
         raise FlatlandError(
             f'expected a path of at most {_LONGEST} characters, found "{shortened(text)}"'
         )
+    if text.startswith("$(find "):  # as in launch files
+        raise FlatlandError(f'expected package://name/path, found "{shortened(text)}"')
     if not text.startswith(_SCHEME):
         return Path(os.path.expanduser(text) if text.startswith(_HOME) else text)
     package, _, inner = text[len(_SCHEME) :].partition("/")

@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO, Callable, Iterator
 
-from flatland_server.exceptions import FlatlandError, YamlError
+from flatland_server.exceptions import FlatlandError, YamlError, nearest
 
 MIB = 1024 * 1024
 MAX_YAML = 16 * MIB  # bytes
@@ -133,6 +133,27 @@ def why_not_a_file(path: Path) -> str:
     if os.path.isdir(path):
         return "is a folder"
     return "is not a regular file" if os.path.exists(path) else "is not there"
+
+
+def similar_file(path: Path) -> str:
+    """A hint at a file beside a path that is not there: of another case, or a similar name.
+
+    An image may have the extension of another image, but not `.yaml`.
+    """
+    try:
+        if path.exists():  # as a folder
+            return ""
+        names = [path.parent / name for name in sorted(os.listdir(path.parent))]
+    except OSError:
+        return ""
+    names.sort(key=lambda each: each.suffix.lower() == path.suffix.lower())  # the last one counts
+    stems = {each.stem: each.name for each in names if _is_yaml(each) == _is_yaml(path)}
+    near = nearest(path.stem, stems)
+    return "" if near is None else f' (did you mean "{stems[near]}"?)'
+
+
+def _is_yaml(path: Path) -> bool:
+    return path.suffix.lower() in (".yaml", ".yml")
 
 
 def too_large(limit: int) -> str:

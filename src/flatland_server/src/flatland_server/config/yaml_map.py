@@ -11,6 +11,7 @@ import yaml
 from flatland_server.config.plain_nodes import NO_LINE, to_content
 from flatland_server.config.problem_collector import ProblemCollector
 from flatland_server.config.ros_names import topic_name_problem
+from flatland_server.config.syntax_errors import other_indentation
 from flatland_server.config.yaml_values import ConversionError, EntryError, describe, is_null
 from flatland_server.exceptions import YamlError, shortened, suggestion
 
@@ -221,6 +222,8 @@ class YamlMap:
         self._read.update(self._keys)
 
     def _note_unknown_key(self, key: str, hint: str) -> None:
+        indentation = other_indentation(key)
+        hint = f" ({indentation})" if indentation else hint
         self.note(error_at(self._keys[key], f'unknown key "{shortened(key)}"{hint}', self._label()))
 
     def _unread(self) -> List[str]:
@@ -237,9 +240,12 @@ class YamlMap:
         """
         self._read.add(key)
         if not self.has(key):
-            if default is REQUIRED:
-                raise self._missing(key)
-            return default
+            if default is not REQUIRED:
+                return default
+            if key in self._keys:
+                message = f'the required key "{key}" has no value'
+                raise error_at(self._keys[key], message, self._label())
+            raise self._missing(key)
         try:
             return converter(self._values[key])
         except EntryError as error:

@@ -19,7 +19,7 @@ from flatland_server.config.composed_files import (
     compose_text,
 )
 from flatland_server.config.file_names import to_path
-from flatland_server.config.input_files import is_file
+from flatland_server.config.input_files import is_file, similar_file
 from flatland_server.config.plain_nodes import ArrayNode
 from flatland_server.config.yaml_expressions import Expressions
 from flatland_server.config.yaml_map import error_at
@@ -235,7 +235,7 @@ class YamlPreprocessor:
         except FlatlandError as error:
             raise error_at(node, str(error)) from None
         if not is_file(path):
-            raise error_at(node, f"there is no file {path}")
+            raise error_at(node, f"there is no file {path}{similar_file(path)}")
         if any(file.exists() and path.samefile(file) for file in files):
             raise error_at(node, f"{path} includes itself")
         real = path.resolve()
@@ -245,14 +245,18 @@ class YamlPreprocessor:
 
 
 def _directive(node: yaml.Node, keyword: str) -> Any:
-    """The text after a keyword at the beginning of a scalar, or None without the keyword."""
+    """The text after a keyword at the beginning of a scalar, or None without the keyword.
+
+    A space follows a keyword; `$eval(1 + 2)` is an expression, too.
+    """
     if not isinstance(node, yaml.ScalarNode):
         return None
     text = node.value.lstrip()
     if not text.startswith(keyword):
         return None
     rest = text[len(keyword) :]
-    return rest.strip() if rest[:1].isspace() else None
+    is_apart = rest[:1].isspace() or (keyword == _EVAL and rest.startswith("("))
+    return rest.strip() if is_apart else None
 
 
 def _measure(node: yaml.Node, known: Dict[int, Tuple[int, int]]) -> Tuple[int, int]:

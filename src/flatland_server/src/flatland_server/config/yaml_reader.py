@@ -18,7 +18,7 @@ import yaml
 
 from flatland_server.arrays import FloatArray
 from flatland_server.config.file_names import find_file, is_bare, nor_in
-from flatland_server.config.input_files import is_file, why_not_a_file
+from flatland_server.config.input_files import is_file, similar_file, why_not_a_file
 from flatland_server.config.plain_nodes import plain_copy, to_node
 from flatland_server.config.problem_collector import MutedCollector
 from flatland_server.config.yaml_map import REQUIRED as REQUIRED
@@ -361,7 +361,7 @@ class YamlReader(YamlMap):
             key: of the value.
             default: the value if the key is missing; without it, the key is required.
         """
-        converter = floats_between(4, "[r, g, b, alpha]", 0.0, 1.0)
+        converter = floats_between(4, "[r, g, b, alpha], each 0 to 1", 0.0, 1.0)
         return cast(Color, self._get(key, default, converter, (0.0,) * 4))
 
     def get_strings(self, key: str, default: Any = REQUIRED) -> Tuple[str, ...]:
@@ -400,7 +400,8 @@ class YamlReader(YamlMap):
         if not name:
             self.problem("expected a file, found an empty string", key)
         elif not is_file(path):
-            found = f"{path} {why_not_a_file(path)}{nor_in(further)}"
+            hint = "" if is_text(self.file) else similar_file(path)
+            found = f"{path} {why_not_a_file(path)}{hint}{nor_in(further)}"
             self.problem(f"expected a file, but {found}", key)
         return path
 

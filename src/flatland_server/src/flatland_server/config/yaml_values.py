@@ -195,8 +195,10 @@ def floats_between(
             values = tuple(to_float(item) for item in node.value)
         except ConversionError:
             raise ConversionError(expected) from None
-        if not all(abs(value) <= LARGEST and minimum <= value <= maximum for value in values):
+        if not all(math.isfinite(value) and minimum <= value <= maximum for value in values):
             raise ConversionError(expected)
+        if not all(abs(value) <= LARGEST for value in values):
+            raise ConversionError(f"{expected}, numbers within {LARGEST:g} of zero")
         return values
 
     return convert
@@ -211,7 +213,8 @@ def points(minimum: int, maximum: int) -> Callable[[yaml.Node], List[Tuple[float
         if not minimum <= len(items) <= maximum:
             number = f"{minimum} or more" if maximum == sys.maxsize else f"{minimum} to {maximum}"
             raise ConversionError(f"a list of {number} points [x, y]")
-        return [cast(Tuple[float, float], to_point(item)) for item in items]
+        found = [_entry(to_point, node, index, item) for index, item in enumerate(items)]
+        return cast(List[Tuple[float, float]], found)
 
     return convert
 
@@ -279,6 +282,8 @@ def describe(node: yaml.Node, depth: int = 2) -> str:
             return "a list"
         items = [describe(item, depth - 1) for item in node.value[:_MOST_ITEMS]]
         text = f"[{', '.join(items)}]"
+        if len(node.value) > _MOST_ITEMS:
+            text = f"{len(node.value)} entries: {text[:-1]}, ...]"
     else:
         return "a map"
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."

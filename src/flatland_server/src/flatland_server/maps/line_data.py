@@ -39,7 +39,7 @@ def read_line_segments(path: Path) -> Tuple[Segments, IntArray]:
         except ValueError:
             row = []
         if len(row) != 4 or not all(map(math.isfinite, row)):
-            message = f'expected "x1 y1 x2 y2", found "{shortened(line)}"'
+            message = f'expected four numbers, x1 y1 x2 y2, found "{shortened(line)}"'
             raise YamlError(path, message, number)
         if max(map(abs, row)) > LARGEST:
             message = f'expected numbers within {LARGEST:g} of zero, found "{shortened(line)}"'
@@ -50,6 +50,6 @@ def read_line_segments(path: Path) -> Tuple[Segments, IntArray]:
         numbers.append(number)
     if longer:
         rest = "" if len(longer) == 1 else f", and in {counted(len(longer) - 1, 'further line')}"
-        message = f'expected "x1 y1 x2 y2", found more{rest}: it is ignored'
+        message = f"expected four numbers, x1 y1 x2 y2, found more{rest}: it is ignored"
         warn_once(str(YamlError(path, message, longer[0])))
     return np.array(values, dtype=np.float64).reshape(-1, 4), np.array(numbers, dtype=np.intp)

@@ -101,6 +101,8 @@ class MapConfig:
             reader.finish()
             return cls(path, source, scale, origin, reader=reader)
         if suggestion(kind, [_LINES]):
+            if not reader.has("image"):
+                raise reader.error(f'expected "{_LINES}" or an image, found "{kind}"', "type")
             logger.info('%s: read as an image: expected "%s", found "%s"', path, _LINES, kind)
         scale = reader.get_float("resolution", above=0.0)
         occupied_thresh = read_threshold(reader)

@@ -53,6 +53,7 @@ class JointConfig:
                 message = f"expected [lower, upper], found {lower:g} above {upper:g}"
                 reader.problem(message, "limits")
             limits = (lower, upper)
+            reader.warn_of_degrees(max(limits, key=abs), "limits")
         ends = reader.get_sections(
             "bodies", lambda section: _read_end(section, body_names), required=True
         )
@@ -97,6 +98,10 @@ class Joint:
     Args:
         config: its entry in the model file.
         bodies: the bodies of the model, by name.
+
+    Attributes:
+        config: as in the file; a plugin may have set other limits since.
+        physics_joint: Box2D's joint, with its present angle, limits and motor.
     """
 
     def __init__(self, config: JointConfig, bodies: Mapping[str, ModelBody]) -> None:

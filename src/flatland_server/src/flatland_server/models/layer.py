@@ -14,8 +14,11 @@ from flatland_server import _core
 from flatland_server.arrays import Segments
 from flatland_server.config.yaml_map import check_topic_name
 from flatland_server.config.yaml_reader import Color, YamlReader
+from flatland_server.exceptions import shortened
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.entity import Entities, Entity
+
+_IMAGES = (".bmp", ".gif", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
 
 MapSource = Union[Path, str]
 """A map file, or the place of a map in a world file, such as "layers[0].map"."""
@@ -80,7 +83,11 @@ class LayerConfig:
         """The map of an entry, if any; other problems of the entry are ignored."""
         if reader.is_map("map"):
             return reader.get_section("map").path
-        reader.get_string("map", "")
+        name = reader.get_string("map", "")
+        if name.lower().endswith(_IMAGES):
+            message = f'expected a YAML file that names the image, found "{shortened(name)}"'
+            reader.problem(message, "map")
+            return None
         return reader.get_path("map") if reader.has("map") else None
 
 

@@ -10,7 +10,7 @@ from typing import Any, Callable
 
 import rospy
 
-from flatland_server.messages.message_types import get
+from flatland_server.messages.message_types import deserialized, get
 from flatland_server.messages.wire_form import serialized
 
 
@@ -26,7 +26,7 @@ class RawMessage(rospy.AnyMsg):  # type: ignore[misc]
         """Reads the fields, when the first of them is asked for."""
         if name.startswith("_"):
             raise AttributeError(name)
-        message = get(self._connection_header["type"])().deserialize(self._buff)
+        message = deserialized(get(self._connection_header["type"]), self._buff)
         self.__dict__.update((each, getattr(message, each)) for each in message.__slots__)
         return getattr(message, name)
 

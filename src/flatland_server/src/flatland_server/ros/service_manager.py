@@ -61,6 +61,6 @@ class RosServiceHost(ServiceHost):
         """Sets ~world_path, if the ROS master answers in time; it may be stopped, or dead."""
         name = "~world_path"
         try:
-            Master(rosgraph.get_master_uri()).set_parameter(rospy.resolve_name(name), path)
+            Master(rosgraph.get_master_uri()).ask("setParam", rospy.resolve_name(name), path)
         except NO_ANSWER:
             rospy.logwarn("the ROS master does not answer: %s is not set to %s", name, path)

@@ -317,6 +317,7 @@ class _TwinTransport(LocalTransport):
     def __init__(self, original: Transport) -> None:
         super().__init__({}, ())
         self._original = original
+        self.tf_by_namespace = original.tf_by_namespace
         # Over ROS, what a plugin publishes comes back to others as an input.
         self._is_delivering = isinstance(original, LocalTransport)
 

@@ -54,7 +54,7 @@ def warn_of_traps(contents: WorldContents) -> None:
         is_robot = any(_overrides(each, "command") for each in plugins)
         if not _warn_of_size(entry, room):
             _warn_of_place(entry, model, before, is_robot)
-        _warn_of_sensors(entry.model, plugins)
+        warn_of_sensors(entry.model, plugins)
         before[model] = None
 
 
@@ -122,8 +122,13 @@ def _is_in_dark_area(layer: Entity, model: Model) -> bool:
     return bool(np.count_nonzero(crossings) % 2)
 
 
-def _warn_of_sensors(config: ModelConfig, plugins: Sequence[Plugin]) -> None:
-    """Warns of sensors that stay behind, and of lidars on the outline of their own model."""
+def warn_of_sensors(config: ModelConfig, plugins: Sequence[Plugin]) -> None:
+    """Warns of sensors that stay behind, and of lidars on the outline of their own model.
+
+    Args:
+        config: of a model.
+        plugins: of the model, which have started.
+    """
     readers = {each.name: each.reader for each in config.plugins}
     names = [each.name for each in config.bodies]
     body_of = {each.name: readers[each.name].content().get("body", names[0]) for each in plugins}
@@ -190,5 +195,6 @@ def _gap(footprint: Footprint, point: Point) -> float:
     starts = np.array(shape.vertices)
     sides = np.roll(starts, -1, axis=0) - starts
     ways = np.array(point) - starts
-    along = np.clip((ways * sides).sum(1) / (sides * sides).sum(1), 0.0, 1.0)
+    squares = np.maximum((sides * sides).sum(1), 1e-12)  # a point may be there twice
+    along = np.clip((ways * sides).sum(1) / squares, 0.0, 1.0)
     return float(np.hypot(*(ways - along[:, None] * sides).T).min())

@@ -37,9 +37,10 @@ from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.plugins.plugin_manager import PluginFailure, PluginRevision
 from flatland_server.simulation import plugin_state
-from flatland_server.simulation.load_warnings import warn_of_traps
+from flatland_server.simulation.load_warnings import warn_of_sensors, warn_of_traps
 from flatland_server.simulation.world_config import ModelEntry, ModelSource, WorldConfig
 from flatland_server.simulation.world_contents import WorldContents
+from flatland_server.transport.frame_registry import OdometryFrame
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.node import Node
 from flatland_server.transport.transport import Transport
@@ -298,7 +299,9 @@ class World:
                 "add_model is for between steps; spawn_model may be called in a hook"
             )
         self.contents.deferred.revision += 1
-        return self.contents.add_model(entry)
+        model = self.contents.add_model(entry)
+        warn_of_sensors(entry.model, self.contents.plugins.plugins_of(entry.name))
+        return model
 
     def overlap_warning(self, model: Model) -> str:
         """A warning for a model that was put within walls or other models.
@@ -472,7 +475,7 @@ class World:
         return self.contents.plugins.topics
 
     @property
-    def odometry_frames(self) -> Set[str]:
+    def odometry_frames(self) -> Set[OdometryFrame]:
         """The frames from which drives publish transforms to their bodies, such as "odom"."""
         return self.contents.plugins.odometry_frames
 

@@ -62,6 +62,7 @@ class WorldContents:
             self._remembers_layers = False  # it does already
         else:
             self.physics = self._empty_physics()
+        self._tf_by_namespace = transport.tf_by_namespace
         self.entities = Entities()
         self.models: Dict[str, Model] = {}
         self.layers: List[Layer] = []
@@ -135,6 +136,7 @@ class WorldContents:
             self.config.registry,
             self.entities,
             self.deferred.change_shapes,
+            self._tf_by_namespace,
         )
         self.models[name] = model
         with self.deferred.changing(name):

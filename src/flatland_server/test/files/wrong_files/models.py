@@ -27,7 +27,8 @@ WRONG_MODELS: Dict[str, Case] = {
     "a body's pose that is none": (MODEL, "pose: [0, 0, 0]", "pose: [0, 0, 0, 0]",
      "robot.model.yaml:4: bodies[0].pose: expected [x, y, yaw], found [0, 0, 0, 0]"),
     "a body's colour that is none": (MODEL, "color: [1, 1, 1, 0.5]", "color: [1, 1, 1, -0.5]",
-     "robot.model.yaml:6: bodies[0].color: expected [r, g, b, alpha], found [1, 1, 1, " "-0.5]"),
+     "robot.model.yaml:6: bodies[0].color: expected [r, g, b, alpha], each 0 to 1, found "
+     "[1, 1, 1, -0.5]"),
     "negative damping": (MODEL, "linear_damping: 0", "linear_damping: -1",
      "robot.model.yaml:7: bodies[0].linear_damping: expected a number of 0 or more, " "found -1"),
     "infinite damping": (MODEL, "angular_damping: 0", "angular_damping: .inf",
@@ -95,8 +96,10 @@ WRONG_MODELS: Dict[str, Case] = {
      "points [x, y], found [[0, 0], [1, 0], [2, 1], [3, 3], [3, 4], [2, 5], [1, 5], ..."),
     "a vertex that is none": (MODEL, "[[0.02, 0], [0.2, 0], [0.2, 0.1], [0.02, 0.1]]",
      "[[0, 0], [1, 0], [1, a]]",
-     "robot.model.yaml:22: bodies[1].footprints[0].points: expected [x, y], found "
-     '[[0, 0], [1, 0], [1, "a"]]'),
+     'robot.model.yaml:22: bodies[1].footprints[0].points[2]: expected [x, y], found [1, "a"]'),
+    "vertices without brackets": (MODEL, "[[0.02, 0], [0.2, 0], [0.2, 0.1], [0.02, 0.1]]",
+     "[0.02, 0, 0.2, 0, 0.2, 0.1]",
+     "robot.model.yaml:22: bodies[1].footprints[0].points[0]: expected [x, y], found 0.02"),
     "vertices in a line": (MODEL, "[[0.02, 0], [0.2, 0], [0.2, 0.1], [0.02, 0.1]]",
      "[[0, 0], [1, 1], [2, 2]]",
      "robot.model.yaml:21: bodies[1].footprints[0]: a polygon is too small or too "
@@ -154,9 +157,19 @@ WRONG_MODELS: Dict[str, Case] = {
      'robot.model.yaml:42: plugins[0]: the required key "name" is missing'),
     "two plugins of a name": (MODEL, "name: laser", "name: drive",
      'robot.model.yaml:47: plugins[1].name: the name "drive" is given twice'),
+    "a covariance without commas at its lines' ends": (MODEL, "linear_dynamics:",
+     "odom_pose_covariance: [0, 0\n      0, 0]\n    odom_twist_covariance: ["
+     + "\n      ".join(["0, 0, 0, 0, 0, 0"] * 6) + "]\n    linear_dynamics:",
+     "robot.model.yaml:45: plugins[0].odom_pose_covariance: expected a list of 36 numbers, found "
+     '[0, "0 0", 0]\n'
+     "robot.model.yaml:47: plugins[0].odom_twist_covariance: expected a list of 36 numbers, found "
+     '31 entries: [0, 0, 0, 0, 0, "0 0", 0, 0, 0, 0, "0 0", 0, ...'),
     "an unknown plugin nearly known": (MODEL, "type: DiffDrive", "type: DifDrive",
      'robot.model.yaml:42: plugins[0].type: unknown plugin type "DifDrive" (did you '
      f'mean "DiffDrive"?); there are: {PLUGINS}'),
+    "a plugin in capitals": (MODEL, "type: Laser", "type: LASER",
+     'robot.model.yaml:46: plugins[1].type: unknown plugin type "LASER" (did you '
+     f'mean "Laser"?); there are: {PLUGINS}'),
     "a plugin of another package": (MODEL, "type: DiffDrive", "type: my_plugins::Diff",
      'robot.model.yaml:42: plugins[0].type: unknown plugin type "my_plugins::Diff" '
      f'(did you mean "DiffDrive"?); there are: {PLUGINS}'),

@@ -19,21 +19,36 @@ WRONG_SYNTAX: Dict[str, Case] = {
     "a tab for indentation": (WORLD, None, "# Büro\nproperties: {}\nlayers:\n\t- name: map\n",
      "world.yaml:4: is not valid YAML: lines are indented by spaces, found a tab"),
     "a bracket that is not closed": (WORLD, "[1, 2, 0.5]", "[1, 2, 0.5",
-     "world.yaml:13: is not valid YAML: while parsing a flow sequence did not find "
-     "expected ',' or ']'"),
+     "world.yaml:13: is not valid YAML: while parsing a flow sequence from line 12 did not "
+     "find expected ',' or ']'"),
     "a quote that is not closed": (WORLD, "namespace: r1", "namespace: 'r1",
-     "world.yaml:14: is not valid YAML: while scanning a quoted scalar found "
+     "world.yaml:14: is not valid YAML: while scanning a quoted scalar from line 11 found "
      "unexpected end of stream"),
     "wrong indentation": (WORLD, "    pose:", "   pose:",
-     "world.yaml:12: is not valid YAML: while parsing a block collection did not find "
-     "expected '-' indicator"),
+     "world.yaml:12: is not valid YAML: expected the indentation of the list or map from line 10"),
+    "a key farther to the right": (WORLD, "    pose:", "      pose:",
+     "world.yaml:12: is not valid YAML: expected the key in the column of the one before it, found "
+     "it to the right"),
+    "a colon in a text": (WORLD, "name: floor", "name: ground: floor",
+     'world.yaml:8: is not valid YAML: expected quotes around a text with ": " in it'),
+    "no space after a colon": (WORLD, "    pose: [1, 2, 0.5]", "    pose:[1, 2, 0.5]",
+     'world.yaml:12: is not valid YAML: expected "key: value", a space after the colon, found '
+     '"pose:[1, 2, 0.5]"'),
+    "a text after a list": (WORLD, "[1, 2, 0.5]", "[1, 2, 0.5] m",
+     'world.yaml:12: is not valid YAML: expected the end of the line, found "m"'),
+    "a key without a colon": (WORLD, None, "properties\nlayers: []\n",
+     'world.yaml:1: is not valid YAML: expected "key: value", found "properties"'),
+    "a text that begins with a sign": (WORLD, "name: robot", "name: @robot",
+     "world.yaml:10: is not valid YAML: expected quotes around a text that begins with @"),
+    "indentation by another space": (WORLD, "    pose:", "  \u00a0 pose:",
+     "world.yaml:12: is not valid YAML: lines are indented by spaces, found the character U+00A0"),
     "an unknown alias": (WORLD, "[1, 2, 0.5]", "*here",
      "world.yaml:12: is not valid YAML: found undefined alias"),
     "a control character": (WORLD, None, b"properties: {}\x07\n",
      "world.yaml: is not valid YAML: unacceptable character #x0007: control "
      "characters are not allowed"),
     "not UTF-8": (WORLD, None, b"properties: {}\nlayers: [{name: caf\xe9}]\n",
-     "world.yaml: is not UTF-8 text: byte 34 is wrong"),
+     "world.yaml:2: is not UTF-8 text: found the byte 0xE9"),
     "ten thousand brackets": (WORLD, None, "properties: " + "[" * 10_000 + "]" * 10_000,
      "world.yaml:1: expected at most 100 levels, found more"),
     "an anchor that contains itself": (WORLD, None, "properties: {}\nlayers: &all\n  - *all\n",
@@ -42,6 +57,10 @@ WRONG_SYNTAX: Dict[str, Case] = {
      "world.yaml:1: contains itself"),
     "a merged string": (WORLD, None, "properties: {}\n<<: layers\n",
      "world.yaml:2: expected a map or a list of maps after <<"),
+    "a key that begins with another space": (WORLD, None,
+     "properties: {}\n\u00a0\u00a0layers: []\nlayers: []\n",
+     'world.yaml:2: unknown key "layers" (lines are indented by spaces, found the character '
+     "U+00A0)"),
     # Includes and expressions
     "an include that is not there": (WORLD, "[1, 2, 0.5]", "$include pose.yaml",
      "world.yaml:12: there is no file pose.yaml"),

@@ -43,6 +43,9 @@ CALLS = {
         "mass": (),
         "inertia": (),
         "center": (),
+        "local_center": (),
+        "set_mass": (2.0,),
+        "reset_mass": (),
         "awake": (),
         "listen_to_contacts": (1,),
         "add_drive": (),
@@ -63,7 +66,7 @@ CALLS = {
         "set_circle": ((0, 0), 1),
         "set_polygon": (((0, 0), (1, 0), (0, 1)),),
     },
-    "joint": {"angle": ()},
+    "joint": {"angle": (), "speed": (), "limits": (), "motor": (), "motor_torque": ()},
     "drive": {"command": (0, 0, 0), "target": (), "velocity": ()},
     "tricycle": {"command": (0, 0), "speed": (), "steer_angle": ()},
     "tween": {"trigger": (True,), "progress": ()},
@@ -137,14 +140,17 @@ def test_using_a_handle_of_a_deleted_model_raises(files, world, kind, is_slot_ta
         ("body", "velocity", (0, 0, 0)),
         ("fixture", "friction", 0),
         ("fixture", "restitution", 0),
+        ("joint", "limits", (-1, 1)),
+        ("joint", "motor", (1, 1)),
     ],
 )
-def test_setting_an_attribute_of_a_deleted_body_raises(world, kind, name, value):
+def test_setting_an_attribute_of_a_deleted_model_raises(world, kind, name, value):
     handle = handles_of(world)[kind]
     setattr(handle, name, value)
     world.delete_model("robot")
 
-    with pytest.raises(_core.GoneError, match="this body has been deleted"):
+    noun = "joint" if kind == "joint" else "body"
+    with pytest.raises(_core.GoneError, match=f"this {noun} has been deleted"):
         setattr(handle, name, value)
 
 

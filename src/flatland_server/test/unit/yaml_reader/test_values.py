@@ -71,7 +71,7 @@ WRONG_VALUES: Dict[str, Any] = {
     "a required key with nothing": (
         "mass:",
         lambda r: r.get_float("mass"),
-        '1: the required key "mass" is missing',
+        '1: the required key "mass" has no value',
     ),
 }
 

@@ -24,6 +24,7 @@ PATCHES: Dict[str, str] = {
     "delayed by seconds",
     "topic_polls": "each topic takes a file descriptor",
     "local_time": "this process receives its own /clock through a socket",
+    "believed_lengths": "a message of a type with arrays of empty items may stop the process",
     "latched_topics": "the markers of models are not latched",
     "marker_server": "a thread wakes at every step; in a pause only one client can drag a model",
 }

@@ -84,13 +84,19 @@ class Master:
                 call(node, change.name, node_uri)
         return list(calls())
 
-    def set_parameter(self, name: str, value: Any) -> None:
-        """Sets a parameter by its resolved name.
+    def ask(self, method: str, *arguments: Any, default: Any = None) -> Any:
+        """Calls a method of the master's API.
+
+        Args:
+            method: such as "getParam".
+            arguments: without the caller's name.
+            default: returned if the master refuses.
 
         Raises:
             NO_ANSWER: one of these.
         """
-        self._proxy.setParam(rospy.get_caller_id(), name, value)
+        answer: Any = getattr(self._proxy, method)(rospy.get_caller_id(), *arguments)
+        return answer[2] if answer[0] == 1 else default
 
     def publishers(self) -> List[Any]:
         """The topics that are published: pairs of a name and its nodes' names.
@@ -98,8 +104,7 @@ class Master:
         Raises:
             NO_ANSWER: one of these.
         """
-        answer: Any = self._proxy.getSystemState(rospy.get_caller_id())
-        return list(answer[2][0]) if answer[0] == 1 else []
+        return list(self.ask("getSystemState", default=[[]])[0])
 
     def graph(self) -> Tuple[List[Any], List[Any], List[Any], Dict[str, str]]:
         """Published topics, subscribed topics and services with their nodes; types of topics.
@@ -131,5 +136,4 @@ class Master:
         Raises:
             NO_ANSWER: one of these.
         """
-        answer: Any = self._proxy.lookupService(rospy.get_caller_id(), name)
-        return bool(answer[0] == 1 and answer[2] == uri)
+        return bool(self.ask("lookupService", name) == uri)
