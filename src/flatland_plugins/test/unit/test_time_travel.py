@@ -209,10 +209,10 @@ def test_going_on_from_one_moment_again_and_again_needs_no_more_memory(simulatio
 
 @pytest.mark.parametrize("time", [1.05, 1.15])
 def test_the_moment_from_which_a_run_went_on_is_not_thinned_out(simulation, time):
-    history = simulation.keep_history(interval=0.1, memory=20_000)
+    history = simulation.keep_history(interval=0.1, memory=35_000)
     turn_at_random(simulation, 60, np.random.default_rng(0))
     simulation.seek(time)
-    seen = turn_at_random(simulation, 300, np.random.default_rng(1))
+    seen = turn_at_random(simulation, 250, np.random.default_rng(1))
 
     assert history.begin == 0.0
     for each in list(seen)[:20]:
