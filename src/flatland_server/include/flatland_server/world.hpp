@@ -65,7 +65,8 @@ class World : public Access, private b2DestructionListener {
 
   Body AddBody(const BodySettings& settings);
   /// Adds a static body of two-sided walls [m], one fixture each, that cannot be moved or removed.
-  /// Box2D has those near dynamic bodies. `progress` is called with their number so far, about every 50,000 and at the end.
+  /// Box2D has those near dynamic bodies. `progress` is called with their number so far, about
+  /// every 50,000 and at the end.
   Body AddLayer(std::vector<Segment> walls, LayerBits layers,
                 const std::function<void(std::size_t added)>& progress = {});
   /// Also removes its fixtures, joints, drives, tweens and lidars.

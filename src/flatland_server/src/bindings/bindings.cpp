@@ -23,7 +23,8 @@ std::vector<Segment> ToSegments(const Doubles& rows) {
   }
   static_assert(sizeof(Segment) == 4 * sizeof(double));
   std::vector<Segment> segments(rows.shape(0));
-  if (!segments.empty()) std::memcpy(static_cast<void*>(segments.data()), rows.data(), rows.nbytes());
+  if (!segments.empty())
+    std::memcpy(static_cast<void*>(segments.data()), rows.data(), rows.nbytes());
   return segments;
 }
 

@@ -2,8 +2,8 @@
 
 /// The layers of a world: their walls for lidars, and those near dynamic bodies in Box2D.
 ///
-/// A body of Box2D's moves up to b2_maxTranslation in a step, but few do. So it has the walls that a
-/// body will reach at its present velocity, and some room beyond. When a step has taken a body
+/// A body of Box2D's moves up to b2_maxTranslation in a step, but few do. So it has the walls that
+/// a body will reach at its present velocity, and some room beyond. When a step has taken a body
 /// farther, as after a collision, Box2D gets the walls along its way, and the step goes on: Box2D
 /// looks for times of impact after it has moved everything, and can do so again.
 
@@ -29,8 +29,8 @@ class Layers {
     LayerBits bits;
   };
 
-  /// Box2D has the walls that are up to `room` [m] beyond what a body will reach. The world's bodies
-  /// must live as long.
+  /// Box2D has the walls that are up to `room` [m] beyond what a body will reach. The world's
+  /// bodies must live as long.
   Layers(Bodies& bodies, float room) : bodies_(bodies), room_(room) {}
   Layers(const Layers&) = delete;
   Layers& operator=(const Layers&) = delete;

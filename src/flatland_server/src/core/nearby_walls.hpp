@@ -2,14 +2,14 @@
 
 /// The walls of a layer, of which Box2D has those near dynamic bodies.
 ///
-/// Need. A wall takes about 400 bytes and half a microsecond in Box2D: a fixture with its shape, and
-/// nodes of the tree of bounding boxes. An office has 5,000 of them, and a noisy map four million,
-/// of which a robot may touch a few in its next step.
+/// Need. A wall takes about 400 bytes and half a microsecond in Box2D: a fixture with its shape,
+/// and nodes of the tree of bounding boxes. An office has 5,000 of them, and a noisy map four
+/// million, of which a robot may touch a few in its next step.
 ///
 /// Method. The lidars' tree (SegmentTree) has all walls. Each of its leaves is a block: up to eight
 /// walls that are close together. Layers holds the blocks near each dynamic body. A block that is
-/// held has a static body in Box2D, with a fixture for each of its walls; it is destroyed when it is
-/// released as often as it was held.
+/// held has a static body in Box2D, with a fixture for each of its walls; it is destroyed when it
+/// is released as often as it was held.
 
 #include <box2d/box2d.h>
 

@@ -44,8 +44,8 @@ struct SavedTree {
   }
 
   int32 root = b2_nullNode;
-  int32 first_free = 0;     // node_count(): the first one that was never in use
-  std::vector<Node> nodes;  // up to the last one that was ever in use
+  int32 first_free = 0;      // node_count(): the first one that was never in use
+  std::vector<Node> nodes;   // up to the last one that was ever in use
   std::vector<int32> moves;  // proxies that may have new contacts
 
  private:

@@ -69,14 +69,14 @@ void SharedWorld::CollectRanges() {
 /// Many objects are neighbours in memory, with padding between them in which no other object fits.
 void SharedWorld::JoinRanges() {
   constexpr ptrdiff_t kLeastObject = 16;
-  std::sort(ranges_.begin(), ranges_.end(), [](const Range& a, const Range& b) {
-    return std::less<>()(a.address, b.address);
-  });
+  std::sort(ranges_.begin(), ranges_.end(),
+            [](const Range& a, const Range& b) { return std::less<>()(a.address, b.address); });
   std::vector<Range> joined;
   for (const Range& range : ranges_) {
     std::byte* const begin = BytesOf(range.address);
-    const ptrdiff_t gap =
-        joined.empty() ? kLeastObject : begin - BytesOf(joined.back().address) - static_cast<ptrdiff_t>(joined.back().size);
+    const ptrdiff_t gap = joined.empty() ? kLeastObject
+                                         : begin - BytesOf(joined.back().address) -
+                                               static_cast<ptrdiff_t>(joined.back().size);
     if (gap < kLeastObject) {
       joined.back().size += gap + range.size;
     } else {

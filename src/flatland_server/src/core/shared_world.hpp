@@ -2,12 +2,13 @@
 
 /// Many states of one world, which share all that does not change.
 ///
-/// Need. Thousands of environments that begin alike. Each could be a World; but a visit of one after
-/// the other would take twice as long, since Box2D spreads a world over 90 KB of memory.
+/// Need. Thousands of environments that begin alike. Each could be a World; but a visit of one
+/// after the other would take twice as long, since Box2D spreads a world over 90 KB of memory.
 ///
 /// Method. There is one World. Before a step, another state takes the place of its present one:
 ///
-/// - What every state has is exchanged byte by byte: Box2D's bodies that may move, with the boxes of
+/// - What every state has is exchanged byte by byte: Box2D's bodies that may move, with the boxes
+/// of
 ///   their fixtures, and joints; drives, tweens and crowds. These objects stay at their places, so
 ///   all pointers between them stay right.
 /// - What a state alone has, because Box2D made it in this state, stays where it is: contacts, the
@@ -32,10 +33,10 @@ namespace flatland {
 class SharedState {
  private:
   friend class SharedWorld;
-  std::vector<std::byte> bytes_;               // of the ranges, one after the other
-  b2BroadPhase broad_phase_;                   // with the tree of bounding boxes
-  std::vector<NearbyWalls::Held> held_;        // of each layer
-  std::vector<BodyRecord::Nearby> nearby_;     // of each body that may move
+  std::vector<std::byte> bytes_;            // of the ranges, one after the other
+  b2BroadPhase broad_phase_;                // with the tree of bounding boxes
+  std::vector<NearbyWalls::Held> held_;     // of each layer
+  std::vector<BodyRecord::Nearby> nearby_;  // of each body that may move
 };
 
 class SharedWorld {

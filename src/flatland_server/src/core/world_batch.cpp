@@ -231,9 +231,8 @@ void WorldBatch::LoadStates(const bool* mask, const std::vector<std::string_view
 }
 
 void WorldBatch::Observe(const BatchRows& rows) {
-  ForEach(nullptr, 1, [&](World& world, Environment&, int row) {
-    Write(world, row, nullptr, rows);
-  });
+  ForEach(nullptr, 1,
+          [&](World& world, Environment&, int row) { Write(world, row, nullptr, rows); });
 }
 
 void WorldBatch::Replace(int row, const World& world) {
@@ -246,9 +245,7 @@ void WorldBatch::Replace(int row, const World& world) {
 }
 
 void WorldBatch::SeedCrowd(const bool* mask, World::CrowdHandle crowd, const uint64_t* keys) {
-  ForEach(mask, 1, [&](World& world, Environment&, int row) {
-    world.Get(crowd).Seed(keys[row]);
-  });
+  ForEach(mask, 1, [&](World& world, Environment&, int row) { world.Get(crowd).Seed(keys[row]); });
 }
 
 void WorldBatch::GetMotions(const bool* mask, const std::vector<World::Body>& bodies, double* poses,

@@ -415,8 +415,9 @@ void WorldState::RequireSameStill(const World& world) const {
               "the state is of another world: static bodies were added at other times");
       ++fixture;
     }
-    Require(record.may_move || (present.position == state.position && present.sweep.a == state.sweep.a),
-            "the state is of another world: a static body is elsewhere");
+    Require(
+        record.may_move || (present.position == state.position && present.sweep.a == state.sweep.a),
+        "the state is of another world: a static body is elsewhere");
   });
 }
 
@@ -424,9 +425,8 @@ void WorldState::Clear(World& world) {
   world.world_->SetContactListener(nullptr);
   b2ContactManager& manager = box2d::Contacts(*world.world_);
   while (manager.m_contactList != nullptr) manager.Destroy(manager.m_contactList);
-  world.bodies_.ForEach([&](auto, BodyRecord& record) {
-    world.layers_->ReleaseWallsNear(*world.world_, record);
-  });
+  world.bodies_.ForEach(
+      [&](auto, BodyRecord& record) { world.layers_->ReleaseWallsNear(*world.world_, record); });
 }
 
 void WorldState::Restore(World& world) const {
@@ -441,8 +441,8 @@ void WorldState::Restore(World& world) const {
     } else {
       RestoreFixtures(record, state);
     }
-    const bool stays = record.body->GetPosition() == state.position &&
-                       record.body->GetAngle() == state.sweep.a;
+    const bool stays =
+        record.body->GetPosition() == state.position && record.body->GetAngle() == state.sweep.a;
     if (!stays) world.bodies_.LetMove(handle);
   });
   for (size_t i = 0; i < records.size(); ++i) {

@@ -77,8 +77,7 @@ TEST(NearbyWalls, BodiesMeetThemAsIfBox2DHadAll) {
 
   for (size_t i = 0; i < poses.size(); ++i) ExpectPose(poses[i], expected[i], 1e-3);
   ASSERT_FALSE(scene.world.contacts().GetTouches().empty());
-  ASSERT_EQ(scene.world.contacts().GetTouches().size(),
-            whole.world.contacts().GetTouches().size());
+  ASSERT_EQ(scene.world.contacts().GetTouches().size(), whole.world.contacts().GetTouches().size());
   EXPECT_EQ(scene.world.contacts().GetTouches()[0].a.index,
             whole.world.contacts().GetTouches()[0].a.index);
   EXPECT_EQ(scene.world.body_count(), whole.world.body_count());

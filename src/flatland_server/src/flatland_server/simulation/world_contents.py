@@ -88,9 +88,7 @@ class WorldContents:
         walls = [self.config.walls_of(layer) for layer in self.config.layers]
         progress = LoadProgress(sum(map(len, walls)))
         for layer, segments in zip(self.config.layers, walls):
-            self.layers.append(
-                Layer(layer, segments, self.physics, self.entities, progress.update)
-            )
+            self.layers.append(Layer(layer, segments, self.physics, self.entities, progress.update))
             progress.layer_is_complete(len(segments))
 
     def check_name_is_free(self, name: str) -> None:
