@@ -21,9 +21,11 @@ constexpr int kMaxHeuristicDepth = 64;
 Vec2 TwiceCenter(const Segment& segment) { return segment.a + segment.b; }
 double Along(Vec2 v, int axis) { return axis == 0 ? v.x : v.y; }
 
+/// Of the first walls: whether all are equal is compared anyway.
 size_t HashOf(const std::vector<Segment>& segments) {
   const auto* bytes = reinterpret_cast<const char*>(segments.data());
-  return std::hash<std::string_view>()({bytes, segments.size() * sizeof(Segment)});
+  const size_t count = std::min<size_t>(segments.size(), 100);
+  return std::hash<std::string_view>()({bytes, count * sizeof(Segment)});
 }
 
 bool AreEqual(const std::vector<Segment>& a, const std::vector<Segment>& b) {

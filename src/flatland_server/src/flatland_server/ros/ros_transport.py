@@ -267,7 +267,7 @@ class _RosSubscription(Subscription):
     def _deliver(self, message: Any) -> None:
         if self._is_open:
             self._arrival.note()
-            note = self._transport.on_message
+            note = self._transport.on_input
             if note is not None and self._transport.arrivals.is_first(self._arrival):
                 note(self._topic, message)  # once, and not for each subscription
             self._callback(message)

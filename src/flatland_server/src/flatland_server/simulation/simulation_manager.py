@@ -7,8 +7,8 @@ from typing import Callable, List, Optional, Sequence
 
 from flatland_server.exceptions import FlatlandError, UsageError
 from flatland_server.simulation.command_wait import CommandWait
+from flatland_server.simulation.history import RunWithHistory
 from flatland_server.simulation.pacer import Pacer
-from flatland_server.simulation.run_with_history import RunWithHistory
 from flatland_server.simulation.step_request import StepRequest
 from flatland_server.simulation.wall_timekeeper import WallPacer, WallTimekeeper
 from flatland_server.simulation.world import World

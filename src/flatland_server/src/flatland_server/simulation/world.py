@@ -461,7 +461,6 @@ class World:
         former.discard()
         self.contents = new
         self.transport.discard()
-        new.keep_layers_of(former)
 
     def close(self) -> None:
         """Stops all plugins. Changes that they request meanwhile are dropped."""

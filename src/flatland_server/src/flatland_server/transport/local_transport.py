@@ -89,10 +89,6 @@ class LocalTransport(Transport):
         return message if publisher is not None and publisher.is_latched else None
 
     @property
-    def delivers_own(self) -> bool:
-        return True
-
-    @property
     def topics(self) -> Set[str]:
         """The topics that have a publisher."""
         return set(self._publishers)
@@ -198,8 +194,8 @@ class LocalTransport(Transport):
             topic, message = self._inbox.popleft()
             self.arrivals.note(topic)
             callbacks = list(self._callbacks.get(topic, []))
-            if callbacks and self.on_message is not None:
-                self.on_message(topic, message)
+            if callbacks and self.on_input is not None:
+                self.on_input(topic, message)
             for callback in callbacks:
                 callback(message)
 

@@ -7,12 +7,15 @@ not use a transport itself but its `Node`, and so runs with either of them.
 
 import math
 from abc import ABC, abstractmethod
-from typing import Any, Callable, Iterable, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Iterable, List, Optional, Sequence, Tuple, Union
 
 from flatland_server._core import BodyMessage, RelativePoses, StepMessage
 from flatland_server.geometry import Pose, Transform
 from flatland_server.transport.arrivals import Arrivals
 from flatland_server.transport.message_writer import MessageWriter
+
+Recipient = Union[str, Tuple[str, str]]
+"""A topic with subscribers, or a plugin: the name of its model, and its own."""
 
 
 class Publisher(ABC):
@@ -137,7 +140,8 @@ class Transport(TransformSender):
             same, `process` and `flush` have nothing to do. NaN, which equals nothing, if a
             transport does not know.
         arrivals: the subscriptions with a message since the last step.
-        on_message: called before plugins get a message from outside, with its topic, if set.
+        on_input: if set, called with what comes to plugins from outside: a topic and a message, or
+            the names of a model and its plugin and the values of a command.
         on_flush: called by `flush`, to publish what plugins have collected in the step.
         returns_on_arrival: whether `process` returns once callbacks have run, instead of waiting
             for its timeout.
@@ -146,7 +150,7 @@ class Transport(TransformSender):
     def __init__(self) -> None:
         self.activity = math.nan
         self.arrivals = Arrivals()
-        self.on_message: Optional[Callable[[str, Any], None]] = None
+        self.on_input: Optional[Callable[[Recipient, Any], None]] = None
         self.on_flush: List[Callable[[], None]] = []
         self.returns_on_arrival = False
         self.tf_by_namespace = False
@@ -154,11 +158,6 @@ class Transport(TransformSender):
     @property
     def sends_bytes(self) -> bool:
         """True if messages leave as bytes, which the core may write; each step ends by a flush."""
-        return False
-
-    @property
-    def delivers_own(self) -> bool:
-        """True if plugins get the messages of other plugins at once, and not from outside."""
         return False
 
     @property
