@@ -364,9 +364,9 @@ def test_an_error_of_the_window_is_logged_once_and_counted_among_the_problems(wi
     window.ros.call("/reset", restart_time=True)
     window.screen.focus(window.id)
     window.screen.click(window.map.pixel(0.0, 0.0))
-    topic = "{name: /x, type: no/such/name, is_published: true}"
+    topic = "{name: '', type: std_msgs/Empty, is_published: true}"
     models = f"{{models: [{{name: turtlebot, plugins: [{{topics: [{topic}]}}]}}]}}"
-    text = "ValueError: invalid name [no/such/name]"
+    text = "ValueError: topic name is not a non-empty string"
     other = window.ros.start(
         "rostopic", "pub", "-r", "50", "/flatland_server/models", "flatland_msgs/ModelList", models
     )
