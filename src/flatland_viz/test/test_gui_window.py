@@ -373,7 +373,7 @@ def test_an_error_of_the_window_is_logged_once_and_counted_among_the_problems(wi
         clicked = -10.0
 
         def is_logged():
-            """A click meets the robot once the reset is drawn; two at once would be another thing."""
+            """A click meets the robot once the reset is drawn; two at once are another thing."""
             nonlocal clicked
             if time.monotonic() > clicked + 2.0:
                 window.screen.click(window.map.pixel(0.0, 0.0))
