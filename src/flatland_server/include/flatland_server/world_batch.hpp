@@ -162,7 +162,7 @@ class WorldBatch {
   std::vector<std::unique_ptr<SharedWorld>> worlds_;  // one for each thread
   std::vector<Environment> environments_;             // destroyed before the worlds
   std::vector<char> collided_;                        // for each robot of each environment
-  std::vector<const WallList*> drawn_;                // the same: by its last scan, or null
+  std::vector<SeenWalls> seen_;                       // the same: by its last scan
   ThreadTeam team_;
 };
 

@@ -62,7 +62,7 @@ bool Layers::BeginWith(const std::vector<Layer>& layers) const {
 void Layers::TakeFrom(Layers& other, std::size_t count) {
   other.all_.resize(count);
   const auto is_large = [&](const Layer& each) {
-    return each.walls->all().segment_count() > large_;
+    return each.walls->segment_count() > large_;
   };
   other.large_layers_.resize(
       static_cast<std::size_t>(std::count_if(other.all_.begin(), other.all_.end(), is_large)));
@@ -91,7 +91,7 @@ Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits b
   if (tree != nullptr) outside.emplace(*record.body);
   if (is_large) {
     record.large_layer = static_cast<int>(large_layers_.size());
-    all_.push_back({VisibleWalls::Share(std::move(walls), progress), bits});
+    all_.push_back({SegmentTree::Share(std::move(walls), progress), bits});
   } else {
     record.fixtures.reserve(walls.size());
     for (const Segment& wall : walls) {
@@ -102,7 +102,7 @@ Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits b
       const bool is_due = added % SegmentTree::kProgressStep == 0 || added == walls.size();
       if (progress && is_due) progress(added);
     }
-    all_.push_back({VisibleWalls::Share(std::move(walls)), bits});
+    all_.push_back({SegmentTree::Share(std::move(walls)), bits});
   }
   outside.reset();
   if (tree != nullptr) tree->PutInto(world, FixturesOf(record));
@@ -112,7 +112,7 @@ Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits b
   if (has_layers_alone && handle.generation == 1 && tree == nullptr) box2d::OrderNodes(world);
   if (is_large) {
     large_layers_.push_back(
-        std::make_unique<NearbyWalls>(all_.back().walls->shared(), bits, handle.index));
+        std::make_unique<NearbyWalls>(all_.back().walls, bits, handle.index));
     bodies_.ForEach([](auto, BodyRecord& each) { each.nearby.is_current = false; });
   }
   return handle;

@@ -50,10 +50,7 @@ void NearbyWalls::ForEachWall(uint32_t block, Visit visit) const {
   const size_t begin = block * kLeavesPerBlock;
   const size_t end = std::min(begin + kLeavesPerBlock, walls_->leaf_count());
   for (size_t leaf = begin; leaf < end; ++leaf) {
-    walls_->ForEachWall(leaf, [&](uint32_t index) {
-      visit(index);
-      return true;
-    });
+    walls_->ForEachWall(leaf, visit);
   }
 }
 

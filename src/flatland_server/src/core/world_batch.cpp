@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 #include "box2d_limits.hpp"
-#include "flatland_server/wall_list.hpp"
 #include "prefetch.hpp"
 #include "world_state.hpp"
 
@@ -55,7 +54,7 @@ WorldBatch::WorldBatch(const World& world, const std::vector<BatchRobot>& robots
   }
   environments_.resize(count);
   collided_.resize(static_cast<size_t>(row_count()));
-  drawn_.resize(collided_.size());
+  seen_.resize(collided_.size());
   for (int i = 0; i < team_.size(); ++i) {
     for (int row = team_.Begin(i, count); row < team_.Begin(i + 1, count); ++row) {
       environments_[row].state = worlds_[i]->MakeState();
@@ -106,10 +105,7 @@ void WorldBatch::Prefetch(const SharedWorld& shared, int row, int distance) cons
   if (distance == 2) SharedWorld::Prefetch(state);
   if (distance == 1) shared.PrefetchUsed(state);
   for (int i = 0; i < robot_count(); ++i) {
-    const WallList* const drawn = drawn_[int64_t{row} * robot_count() + i];
-    if (drawn == nullptr) continue;
-    if (distance == 2) PrefetchObject(*drawn);
-    if (distance == 1) PrefetchElements(drawn->blocks());
+    if (distance == 2) PrefetchObject(seen_[int64_t{row} * robot_count() + i]);
   }
 }
 
@@ -281,7 +277,6 @@ void WorldBatch::Replace(int row, const World& world) {
   environment.steps = 0;
   const int64_t first = int64_t{row} * robot_count();
   std::fill_n(collided_.begin() + first, robot_count(), false);
-  std::fill_n(drawn_.begin() + first, robot_count(), nullptr);  // walls of its former world
 }
 
 void WorldBatch::SeedCrowd(const bool* mask, World::CrowdHandle crowd, const uint64_t* keys) {
@@ -370,8 +365,8 @@ void WorldBatch::Write(World& world, int row, const bool* mask, const BatchRows&
     const Pose pose = Wrapped(world.GetPose(body));
     const Twist velocity = world.GetVelocity(body);
     const Twist local = world.GetLocalVelocity(body);
-    drawn_[at] = world.lidars().ScanInto(robots_[i].lidar, rows.ranges + at * beams_,
-                                         World::AccessGuard(world));
+    world.lidars().ScanInto(robots_[i].lidar, rows.ranges + at * beams_, seen_[at],
+                            World::AccessGuard(world));
     Put(rows.poses + 3 * at, pose.x, pose.y, pose.yaw);
     Put(rows.velocities + 3 * at, velocity.vx, velocity.vy, velocity.omega);
     Put(rows.local_velocities + 3 * at, local.vx, local.vy, local.omega);
