@@ -70,9 +70,9 @@ class DepthBuffer {
   AlignedDoubles inverse_;
   AlignedDoubles non_reflecting_;  // before BeginReflecting; empty if that was not called
   std::unique_ptr<Horizon> horizon_;
-  std::vector<char> is_drawn_;             // by wall, while a tree is drawn
-  std::vector<int> children_, of_these_;   // numbers of nodes and leaves to look at
-  std::vector<int> visible_;               // result of FindVisible
+  std::vector<char> is_drawn_;            // by wall, while a tree is drawn
+  std::vector<int> children_, of_these_;  // numbers of nodes and leaves to look at
+  std::vector<int> visible_;              // result of FindVisible
 };
 
 }  // namespace flatland

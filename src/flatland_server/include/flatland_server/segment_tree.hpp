@@ -2,11 +2,11 @@
 
 /// A search tree over the static walls of a layer, for lidars.
 ///
-/// A tree of bounding boxes with eight children a node and eight walls a leaf, so that all of a node
-/// or leaf are looked at together (tree_view.hpp). It is built once, by halving the walls across one
-/// axis or the other, whichever makes the smaller boxes, at multiples of eight, 64, 512 ... walls.
-/// So all leaves but the last are full, and numbers alone tell what belongs to what: child k of node
-/// i is number 8 i + k of the level below. DepthBuffer searches it.
+/// A tree of bounding boxes with eight children a node and eight walls a leaf, so that all of a
+/// node or leaf are looked at together (tree_view.hpp). It is built once, by halving the walls
+/// across one axis or the other, whichever makes the smaller boxes, at multiples of eight, 64, 512
+/// ... walls. So all leaves but the last are full, and numbers alone tell what belongs to what:
+/// child k of node i is number 8 i + k of the level below. DepthBuffer searches it.
 ///
 /// Boxes and walls are in single precision. Boxes are made a little larger for that, and walls are
 /// relative to the middle of their leaf.

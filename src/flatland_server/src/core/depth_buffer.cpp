@@ -36,14 +36,14 @@
 ///
 /// Search: the walls of a layer are in a tree (SegmentTree). A box is skipped with all its walls if
 /// every beam of its wedge already ends nearer than the box begins; so is a wall. The least of the
-/// beams of a wedge is looked up in a table (Horizon), which is made a few times in a scan. Level by
-/// level, eight boxes are looked at together (tree_view.hpp), without a branch that a processor may
-/// guess wrongly: what is not hidden goes to a list for the next level.
+/// beams of a wedge is looked up in a table (Horizon), which is made a few times in a scan. Level
+/// by level, eight boxes are looked at together (tree_view.hpp), without a branch that a processor
+/// may guess wrongly: what is not hidden goes to a list for the next level.
 ///
 /// Order: first come the walls that the lidar saw last (SeenWalls). In an office these are 77, and
-/// next to nothing else is left to draw: 21 nodes and 36 leaves are looked at. Without them the tree
-/// is searched in rings, from near to far. Bodies come last; those with a bounding circle out of
-/// range or hidden are skipped.
+/// next to nothing else is left to draw: 21 nodes and 36 leaves are looked at. Without them the
+/// tree is searched in rings, from near to far. Bodies come last; those with a bounding circle out
+/// of range or hidden are skipped.
 ///
 /// Accuracy: all numbers are in double precision, and the results are the same on every processor.
 /// With AVX2 four numbers are computed at a time, without it one or two.
@@ -55,9 +55,9 @@
 #include <numeric>
 #include <utility>
 
-#include "extent.hpp"
 #include "doubles.hpp"
 #include "draw_walls.hpp"
+#include "extent.hpp"
 #include "horizon.hpp"
 #include "tree_view.hpp"
 
@@ -108,15 +108,16 @@ FLATLAND_INLINE void DrawEach(const Segment* segments, const LidarView& view, co
   }
 }
 
-FLATLAND_CLONES void DrawSeen(const Segment* segments, const LidarView& view, const SeenWalls& seen) {
+FLATLAND_CLONES void DrawSeen(const Segment* segments, const LidarView& view,
+                              const SeenWalls& seen) {
   DrawEach(segments, view, seen.walls, seen.count);
 }
 
 FLATLAND_CLONES void Update(Horizon& horizon, const double* inverse) { horizon.Update(inverse); }
 
 /// Draws the walls between two distances that the horizon does not hide, but for those that are
-/// drawn, and adds them to what is seen. `list` and `next` have room for all leaves and as many as a
-/// node has.
+/// drawn, and adds them to what is seen. `list` and `next` have room for all leaves and as many as
+/// a node has.
 FLATLAND_CLONES void DrawRing(const SegmentTree& walls, const LidarView& view,
                               const Horizon& horizon, const TreeView& tree, const char* is_drawn,
                               int* list, int* next, SeenWalls* seen) {
@@ -282,7 +283,8 @@ void DepthBuffer::Draw(const SegmentTree& walls, const Pose& lidar, SeenWalls* l
   if (count == 0) return;
   if (is_drawn_.size() < count) is_drawn_.resize(count, 0);
   const size_t room = walls.leaf_count() + 2 * kEight;
-  for (std::vector<int>* list : {&children_, &of_these_}) list->resize(std::max(list->size(), room));
+  for (std::vector<int>* list : {&children_, &of_these_})
+    list->resize(std::max(list->size(), room));
   const LidarView view{*fan_, inverse_.data(), {lidar.x, lidar.y}, Rotation(lidar.yaw)};
   SeenWalls seen;
   seen.place = view.origin;
@@ -299,8 +301,7 @@ void DepthBuffer::Draw(const SegmentTree& walls, const Pose& lidar, SeenWalls* l
            std::all_of(last->walls, last->walls + last->count,
                        [count](uint32_t wall) { return wall < count; });
   };
-  const bool knows = is_known();
-  if (knows) {
+  if (is_known()) {
     DrawSeen(walls.segments().data(), view, *last);
     for (int i = 0; i < last->count; ++i) is_drawn_[last->walls[i]] = 1;
     draw_ring(0.0f, std::numeric_limits<float>::infinity());
@@ -313,10 +314,8 @@ void DepthBuffer::Draw(const SegmentTree& walls, const Pose& lidar, SeenWalls* l
     }
   }
   if (last == nullptr) return;
-  // Of rings, the nearest ones are kept, which hide others.
-  const bool is_useful = seen.count <= SeenWalls::kMost || !knows;
   last->place = seen.place;
-  last->count = is_useful ? std::min(seen.count, SeenWalls::kMost) : 0;
+  last->count = std::min(seen.count, SeenWalls::kMost);
   std::copy_n(seen.walls, last->count, last->walls);
 }
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "extent.hpp"
 #include "doubles.hpp"
+#include "extent.hpp"
 #include "flatland_server/beam_fan.hpp"
 #include "flatland_server/geometry.hpp"
 

@@ -1,8 +1,8 @@
 #pragma once
 
-/// For depth_buffer.cpp: boxes and walls of a SegmentTree as seen by a lidar, eight at a time: which
-/// beams may meet each, and how near it is. In single precision, with margins to be on the safe
-/// side; what is drawn is computed in double precision.
+/// For depth_buffer.cpp: boxes and walls of a SegmentTree as seen by a lidar, eight at a time:
+/// which beams may meet each, and how near it is. In single precision, with margins to be on the
+/// safe side; what is drawn is computed in double precision.
 
 #include "doubles.hpp"
 #include "extent.hpp"
@@ -53,8 +53,7 @@ FLATLAND_INLINE void FillLanes(const EightFloats& right_angles, const EightFloat
   const EightFloats right = right_angles - kAngleMargin, left = left_angles + kAngleMargin;
   // Max and Min replace NaN, too.
   const EightFloats first = FillEight(-2.0f), last = FillEight(2.0f), zero = FillEight(0.0f);
-  const EightFloats from =
-      is_around ? first : Max(right < -2.0f ? right + 4.0f : right, first);
+  const EightFloats from = is_around ? first : Max(right < -2.0f ? right + 4.0f : right, first);
   const EightFloats to = is_around ? last : Min(left > 2.0f ? left - 4.0f : left, last);
   Store(ToInts((from + 2.0f) * view.buckets_per_unit), lanes.from + lane);
   Store(ToInts((to + 2.0f) * view.buckets_per_unit), lanes.to + lane);
@@ -82,12 +81,12 @@ FLATLAND_INLINE void ViewBoxes(const SegmentTree::Node& node, int number, const 
   const EightFloats left_x = is_above ? low_x : is_below ? high_x : side_x;
   const EightFloats right_y = is_right ? low_y : is_left ? high_y : side_y;
   const EightFloats left_y = is_right ? high_y : is_left ? low_y : side_y;
-  FillLanes(DiamondAngles(view.cos * right_x + view.sin * right_y,
-                          view.cos * right_y - view.sin * right_x),
-            DiamondAngles(view.cos * left_x + view.sin * left_y,
-                          view.cos * left_y - view.sin * left_x),
-            square_near, square_near <= 0.0f,
-            (square_near < view.max_square) & (square_far >= view.min_square), view, lanes, lane);
+  FillLanes(
+      DiamondAngles(view.cos * right_x + view.sin * right_y,
+                    view.cos * right_y - view.sin * right_x),
+      DiamondAngles(view.cos * left_x + view.sin * left_y, view.cos * left_y - view.sin * left_x),
+      square_near, square_near <= 0.0f,
+      (square_near < view.max_square) & (square_far >= view.min_square), view, lanes, lane);
   Store(EightInts{0, 1, 2, 3, 4, 5, 6, 7} + kEight * number, lanes.number + lane);
 }
 
@@ -104,8 +103,7 @@ FLATLAND_INLINE void ViewWallsOf(const SegmentTree::Leaf& leaf, Vec2 lidar, cons
   const EightFloats by = view.cos * world_by - view.sin * world_bx;
   // The nearest point.
   const EightFloats along_x = bx - ax, along_y = by - ay;
-  const EightFloats part =
-      -(ax * along_x + ay * along_y) / (along_x * along_x + along_y * along_y);
+  const EightFloats part = -(ax * along_x + ay * along_y) / (along_x * along_x + along_y * along_y);
   const EightFloats clamped = Min(Max(part, FillEight(0.0f)), FillEight(1.0f));
   const EightFloats near_x = ax + clamped * along_x, near_y = ay + clamped * along_y;
   const EightFloats square_near = near_x * near_x + near_y * near_y;
