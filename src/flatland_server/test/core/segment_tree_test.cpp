@@ -272,7 +272,15 @@ TEST(SegmentTree, HasEachWallInTheLeavesThatItsBoxMeets) {
       });
       ASSERT_EQ(found, 1) << "wall " << wall << " of " << count;
     }
-    EXPECT_EQ(tree.Least({{8, 4}, {9, 5}}, kFar, [](uint32_t index) { return index + 1.0; }), 1.0);
+    const Box room{{8, 4}, {9, 5}};
+    const auto distance = [&](uint32_t index) {
+      Box box;
+      box.Add(walls[index]);
+      return box.Distance(room);
+    };
+    double least = kFar;
+    for (uint32_t wall = 0; wall < walls.size(); ++wall) least = std::min(least, distance(wall));
+    EXPECT_EQ(tree.Least(room, kFar, distance), least);
   }
 }
 
