@@ -6,7 +6,6 @@
 
 #include "bindings.hpp"
 
-
 #include "fast_method.hpp"
 #include "flatland_server/box2d_timer.hpp"
 

@@ -61,9 +61,7 @@ bool Layers::BeginWith(const std::vector<Layer>& layers) const {
 
 void Layers::TakeFrom(Layers& other, std::size_t count) {
   other.all_.resize(count);
-  const auto is_large = [&](const Layer& each) {
-    return each.walls->segment_count() > large_;
-  };
+  const auto is_large = [&](const Layer& each) { return each.walls->segment_count() > large_; };
   other.large_layers_.resize(
       static_cast<std::size_t>(std::count_if(other.all_.begin(), other.all_.end(), is_large)));
   for (const auto& large : other.large_layers_) {
@@ -111,8 +109,7 @@ Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits b
   // A slot of a later generation was that of a body, whose moves have changed the tree.
   if (has_layers_alone && handle.generation == 1 && tree == nullptr) box2d::OrderNodes(world);
   if (is_large) {
-    large_layers_.push_back(
-        std::make_unique<NearbyWalls>(all_.back().walls, bits, handle.index));
+    large_layers_.push_back(std::make_unique<NearbyWalls>(all_.back().walls, bits, handle.index));
     bodies_.ForEach([](auto, BodyRecord& each) { each.nearby.is_current = false; });
   }
   return handle;
