@@ -149,12 +149,17 @@ def is_on_a_wall(point):
 
 
 @pytest.mark.parametrize("transforms", ["", "static_tf: true"])
-def test_scans_are_drawn_where_the_robot_was(world, browser, transforms):
+@pytest.mark.parametrize("namespace", ["", "r1"])
+def test_scans_are_drawn_where_the_robot_was(world, browser, transforms, namespace):
     model = ROBOT.replace("update_rate: 20", f"update_rate: 20\n    {transforms}")
     (world.parent / "robot.model.yaml").write_text(model)
-    with running(world) as server:
+    world.write_text(
+        world.read_text().replace("name: robot,", f"name: robot, namespace: '{namespace}',")
+    )
+    with running(world, tf_by_namespace=True) as server:
         client = Client(server)
-        client.send("publish", topic="/cmd_vel", msg={"angular": {"z": 1.5}})
+        topic = f"/{namespace}/cmd_vel" if namespace else "/cmd_vel"
+        client.send("publish", topic=topic, msg={"angular": {"z": 1.5}})
         browser.open(server)
         wait_until(browser.returns, "a scan")
         for _ in range(20):

@@ -19,7 +19,7 @@ from flatland_server.geometry import Pose, Velocity
 from flatland_server.models.model import Model
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin import Plugin
-from flatland_server.simulation.run_with_history import RunWithHistory
+from flatland_server.simulation.history import RunWithHistory
 from flatland_server.timekeeper import Timekeeper
 
 Reading = TypeVar("Reading")
@@ -292,6 +292,7 @@ class DriveHandle:
     def __init__(self, model: ModelHandle, name: str) -> None:
         self.name = name
         self._model = model
+        self._transport = model._simulation.transport
         self._current = model._current
         self._revision = -1  # of the plugin that `_command` belongs to
         self._command: Callable[..., None]
@@ -312,15 +313,14 @@ class DriveHandle:
         """
         if self._revision != self._current.value:
             self._command = self._model.plugin(self.name).command
-            history = self._model._simulation.history
-            if history is not None:
-                self._command = history.recorded(self._model.name, self.name, self._command)
             self._revision = self._current.value
         finite(values, "a command")
         try:
             self._command(*values)
         except (TypeError, ValueError) as error:
             raise self._wrong_command(values, error) from error
+        if self._transport.on_input is not None:
+            self._transport.on_input((self._model.name, self.name), values)
 
     def _wrong_command(self, values: Tuple[Any, ...], error: Exception) -> UsageError:
         """The error for a command that the plugin has refused by raising this error."""

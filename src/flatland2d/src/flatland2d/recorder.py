@@ -35,6 +35,7 @@ from flatland_server.messages.message_types import get
 from flatland_server.messages.wire_form import serialized
 from flatland_server.serving.map_to_odom import MapToOdom
 from flatland_server.timekeeper import Timekeeper
+from flatland_server.transport.frame_registry import OdometryFrame
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.serialized_transforms import TransformQueue
 from flatland_server.transport.tap import Tap
@@ -88,7 +89,7 @@ class Recorder(Tap):
         timekeeper: Timekeeper,
         path: Union[str, "os.PathLike[str]"],
         topics: Optional[Iterable[str]] = None,
-        odometry_frames: Callable[[], Collection[str]] = frozenset,
+        odometry_frames: Callable[[], Collection[OdometryFrame]] = frozenset,
         ros2: bool = False,
     ) -> None:
         self._transport = transport

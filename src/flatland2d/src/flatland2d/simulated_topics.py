@@ -6,7 +6,7 @@ from flatland_server.arguments import shown
 from flatland_server.exceptions import TopicError, UsageError, listed, shortened, suggestion
 from flatland_server.geometry import Transform
 from flatland_server.messages.conversions import transform_of
-from flatland_server.simulation.run_with_history import RunWithHistory
+from flatland_server.simulation.history import RunWithHistory
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport

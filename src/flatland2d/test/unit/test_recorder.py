@@ -266,7 +266,7 @@ def test_a_bag_says_which_topics_are_latched(tmp_path):
     transport = LocalTransport()
     transport.advertise("/count", Int32, latch=True, queue_size=1).publish(Int32(1))
     path = tmp_path / "run.bag"
-    with Recorder(transport, Timekeeper(0.005), path, None, lambda: {"odom", "map"}):
+    with Recorder(transport, Timekeeper(0.005), path, None, lambda: {("", "odom"), ("", "map")}):
         transport.send_transform(Transform(0, "odom", "base", Pose()))
 
     with rosbag.Bag(str(path)) as bag:

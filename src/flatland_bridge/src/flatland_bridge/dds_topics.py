@@ -60,7 +60,7 @@ def default_profile(topic: str, kind: str, is_latched: bool) -> Profile:
         return Profile(depth=1, is_latched=True)
     if kind.startswith("sensor_msgs/") and kind != "sensor_msgs/JointState":
         return Profile(depth=5, is_reliable=False)
-    return Profile(depth=100 if topic == "/tf" else 10)
+    return Profile(depth=100 if topic.endswith("/tf") else 10)
 
 
 def open_writer(

@@ -17,7 +17,9 @@ from flatland_bridge.shared_transport import SharedTransport
 from flatland_bridge.simulated_graph import SimulatedGraph
 from flatland_bridge.websocket_server import MOST_CLIENTS, Access, Endpoint, WebSocketServer
 from flatland_server.exceptions import MissingPackageError
+from flatland_server.messages.stamps import set_stamp_offset
 from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.simulation.wall_timekeeper import WallTimekeeper
 from flatland_server.timekeeper import Timekeeper
 
 if TYPE_CHECKING:
@@ -107,12 +109,15 @@ class Server:
         rosbridge_port: of rosbridge and the page; 0 takes a free one.
         foxglove_port: of Foxglove; 0 takes a free one.
         client_memory: bytes that are kept for each client; beyond them it is disconnected.
+        wall_clock_stamps: whether stamps are of real time, without /clock; the rate has to be 1.
+        tf_by_namespace: whether transforms of robots in namespaces go to NAMESPACE/tf.
         ros2: the distribution of the ROS 2 nodes that get the topics over DDS; None for no DDS.
 
     Attributes:
         dds: what serves ROS 2, if anything.
 
     Raises:
+        UsageError: stamps are of real time, and the rate is not 1.
         FlatlandError: the world cannot be loaded, or a port or DDS cannot be used.
     """
 
@@ -131,9 +136,12 @@ class Server:
         rosbridge_port: int = 9090,
         foxglove_port: int = 8765,
         client_memory: int = CLIENT_MEMORY,
+        wall_clock_stamps: bool = False,
+        tf_by_namespace: bool = False,
         ros2: Optional[str] = None,
     ) -> None:
         self.transport = SharedTransport(params)
+        self.transport.tf_by_namespace = tf_by_namespace
         opened = open_world(
             world,
             self.transport,
@@ -144,9 +152,10 @@ class Server:
         )
         self._stack = ExitStack()
         with ExitStack() as stack:
-            self.manager = SimulationManager(opened, Timekeeper(step_size))
+            timekeeper = (WallTimekeeper if wall_clock_stamps else Timekeeper)(step_size)
+            self.manager = SimulationManager(opened, timekeeper, rate / timekeeper.step_size)
             stack.callback(self.manager.close)
-            self.manager.change_rate(rate)
+            stack.callback(set_stamp_offset, 0)  # for other simulations of this process
             self.manager.is_paused = is_paused
             name = str(world) if isinstance(world, (str, PathLike)) else None
             self.graph = SimulatedGraph(self.manager, state_folder, name)

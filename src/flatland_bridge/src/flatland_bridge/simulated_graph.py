@@ -14,10 +14,10 @@ from flatland_bridge.shared_transport import SharedTransport
 from flatland_bridge.simulation_interfaces import SimulationInterfaces
 from flatland_server.config.shipped_worlds import shipped_worlds
 from flatland_server.geometry import Transform
-from flatland_server.messages import ros_time
-from flatland_server.messages.message_types import get
+from flatland_server.messages.message_types import TYPES, get
 from flatland_server.messages.service_types import ServiceType
 from flatland_server.messages.service_types import get as get_service
+from flatland_server.messages.stamps import stamp_offset
 from flatland_server.real_time_timer import RealTimeTimer
 from flatland_server.serving.client_edits import ClientEdits
 from flatland_server.serving.client_files import ClientFiles
@@ -31,6 +31,7 @@ from flatland_server.serving.state_services import StateServices
 from flatland_server.serving.wall_visualization import WallVisualization
 from flatland_server.serving.world_saving import WorldSaving
 from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.simulation.wall_timekeeper import WallTimekeeper
 from flatland_server.simulation.world import World
 from flatland_server.transport.serialized_transforms import TransformQueue
 from flatland_server.transport.tap import Tap
@@ -40,7 +41,6 @@ T = TypeVar("T")
 Clock = get("rosgraph_msgs/Clock")
 TFMessage = get("tf2_msgs/TFMessage")
 
-_OWN_TOPICS = {"/clock": Clock._type, "/tf": TFMessage._type}
 _VIEW_RATE = 30.0
 """Rate at which models and their states are published [Hz of real time]."""
 _TOPICS_PERIOD = 0.2
@@ -75,6 +75,9 @@ class SimulatedGraph(Graph, Tap):
         self._wanted: FrozenSet[str] = frozenset()  # topics, as the transport knows them
         self._host = _Host(self._transport, with_states=state_folder is not None)
         self._transforms = TransformQueue()
+        self._own_topics = {"/tf": TFMessage._type}
+        if not isinstance(manager.timekeeper, WallTimekeeper):
+            self._own_topics["/clock"] = Clock._type
         world = manager.world
         self._walls = WallVisualization(world.layers, FRAME_ID, self._transport)
         edits = ClientEdits(world)
@@ -113,7 +116,7 @@ class SimulatedGraph(Graph, Tap):
 
     @property
     def nanoseconds(self) -> int:
-        return self._manager.timekeeper.nanoseconds
+        return self._manager.timekeeper.nanoseconds + stamp_offset()
 
     def subscribe(
         self, topic: str, receive: Receive, client: Optional[Budget] = None
@@ -187,8 +190,8 @@ class SimulatedGraph(Graph, Tap):
     def _send_step(self) -> None:
         """Sends the time and the transforms of a step."""
         receivers = self._receivers
-        if receivers.get("/clock"):
-            self.receive("/clock", Clock(ros_time(self.nanoseconds)), False)
+        if receivers.get("/clock") and "/clock" in self._own_topics:
+            self.receive("/clock", Clock(TYPES.Time(0, self.nanoseconds)), False)
         data = self._transforms.take()
         if data:
             sample = Sample("/tf", self.nanoseconds, TFMessage, data=data)
@@ -214,8 +217,8 @@ class SimulatedGraph(Graph, Tap):
 
     def _present_topics(self) -> Topics:
         transport = self._transport
-        types = {**transport.types, **_OWN_TOPICS}
-        published = sorted({*transport.topics, *_OWN_TOPICS})
+        types = {**transport.types, **self._own_topics}
+        published = sorted({*transport.topics, *self._own_topics})
         return Topics(
             {name: types[name] for name in published},
             {name: types[name] for name in sorted(transport.subscribed) if name in types},

@@ -14,6 +14,7 @@ from flatland_server import (
     header,
     messages,
     quaternion,
+    stamp_of,
 )
 
 Odometry = messages.get("nav_msgs/Odometry")
@@ -74,7 +75,7 @@ class OdometryWriter(MessageWriter):
         data = self._data
         if not data:
             data += _serialized(self.message(nanoseconds, pose, twist))
-        _HEADER.pack_into(data, 0, self._sequence, *divmod(nanoseconds, 1_000_000_000))
+        _HEADER.pack_into(data, 0, self._sequence, *stamp_of(nanoseconds))
         _POSE.pack_into(data, self._pose_at, pose.x, pose.y, 0.0, *quaternion(pose.yaw))
         vx, vy, omega = twist
         _TWIST.pack_into(data, self._twist_at, vx, vy, 0.0, 0.0, 0.0, omega)
@@ -111,7 +112,7 @@ class TwistWriter(MessageWriter):
         data = self._data
         if not data:
             data += _serialized(self.message(nanoseconds, twist))
-        _HEADER.pack_into(data, 0, self._sequence, *divmod(nanoseconds, 1_000_000_000))
+        _HEADER.pack_into(data, 0, self._sequence, *stamp_of(nanoseconds))
         vx, vy, omega = twist
         _TWIST.pack_into(data, self._twist_at, vx, vy, 0.0, 0.0, 0.0, omega)
         return bytes(data)

@@ -3,7 +3,7 @@
 import struct
 from typing import Any
 
-from flatland_server import Float32Array, MessageWriter, header, messages
+from flatland_server import Float32Array, MessageWriter, header, messages, stamp_of
 
 LaserScan = messages.get("sensor_msgs/LaserScan")
 
@@ -45,10 +45,9 @@ class ScanWriter(MessageWriter):
     def data(self, nanoseconds: int, ranges: Float32Array, intensities: Float32Array) -> bytes:
         """The same as bytes, field by field as LaserScan has them."""
         self._sequence += 1
-        seconds, rest = divmod(nanoseconds, 1_000_000_000)
         return b"".join(
             (
-                struct.pack("<3I", self._sequence, seconds, rest),
+                struct.pack("<3I", self._sequence, *stamp_of(nanoseconds)),
                 self._constant,
                 struct.pack("<I", len(ranges)),
                 ranges.astype("<f4", copy=False).tobytes(),

@@ -147,6 +147,144 @@ def test_the_memory_is_bounded_and_each_moment_that_is_left_is_exact(world_of, m
             assert_equal(observed(simulation.seek(time)), seen[time])
 
 
+def test_a_message_is_what_it_was_when_its_sender_changes_it_afterwards(simulation):
+    message, seen = twist(1.0, 0.0), {}
+    for vx in (1.0, -0.5, 0.2):
+        message.linear.x = vx
+        simulation.publish("cmd_vel", message)
+        simulation.step(50)
+        seen[simulation.time] = simulation.poses
+
+    for time, poses in seen.items():
+        assert (simulation.seek(time).poses == poses).all()
+
+
+def test_after_a_message_that_cannot_be_kept_there_is_a_state(simulation):
+    class Local(type(twist(0.0, 0.0))):
+        """A type that no other process could import."""
+
+    message = Local()
+    message.linear.x = 1.0
+    simulation.step(20)
+    simulation.publish("cmd_vel", message)
+    simulation.step(50)
+    poses = simulation.poses
+    simulation.step(50)
+
+    assert (simulation.seek(0.35).poses == poses).all()
+    assert poses[0, 0] > 0.05
+
+
+@pytest.mark.parametrize("is_in_past", [False, True])
+def test_the_memory_is_bounded_in_a_pause(simulation, is_in_past):
+    history, rng = simulation.keep_history(memory=50_000), np.random.default_rng(0)
+    simulation.step(100)
+    if is_in_past:
+        simulation.seek(0.2)
+    largest = 0
+    for vx, turn in rng.uniform(-1.0, 1.0, (6000, 2)):
+        simulation.publish("cmd_vel", twist(vx, turn))
+        largest = max(largest, history.size)
+
+    assert largest < 50_000 + 60_000  # inputs that are not compressed yet
+    present = simulation.time
+    with pytest.raises(UsageError, match=f"expected a time from {present} to {present} s"):
+        simulation.seek(0.1)
+    poses = simulation.step(300).poses
+    assert history.begin == present
+    assert (simulation.seek(present).seek(history.end).poses == poses).all()
+
+
+def test_going_on_from_one_moment_again_and_again_needs_no_more_memory(simulation):
+    simulation.step(250)
+    sizes = []
+    for turn in np.linspace(-1.0, 1.0, 20):
+        simulation.seek(1.13)
+        for _ in range(5):
+            simulation.models["robot"].command(0.5, turn)
+            simulation.step(50)
+        sizes.append(simulation.history.size)
+    assert sizes[-1] < 1.2 * sizes[0]
+
+
+@pytest.mark.parametrize("time", [1.05, 1.15])
+def test_the_moment_from_which_a_run_went_on_is_not_thinned_out(simulation, time):
+    history = simulation.keep_history(interval=0.1, memory=35_000)
+    turn_at_random(simulation, 60, np.random.default_rng(0))
+    simulation.seek(time)
+    seen = turn_at_random(simulation, 250, np.random.default_rng(1))
+
+    assert history.begin == 0.0
+    for each in list(seen)[:20]:
+        assert (simulation.seek(each).poses == seen[each]).all()
+
+
+def turn_at_random(simulation, rounds, rng):
+    """Commands the robot every 0.05 s; returns the poses by time."""
+    seen = {}
+    for turn in rng.uniform(-1.0, 1.0, rounds):
+        simulation.models["robot"].command(0.5, turn)
+        simulation.step(10)
+        seen[simulation.time] = simulation.poses
+    return seen
+
+
+def test_states_are_thinned_out_after_the_oldest_were_forgotten(simulation):
+    history, rng = simulation.keep_history(interval=0.1, memory=20_000), np.random.default_rng(0)
+    while history.begin == 0.0:
+        for vx, turn in rng.uniform(-1.0, 1.0, (20, 2)):
+            simulation.publish("cmd_vel", twist(vx, turn))
+        simulation.step(10)
+    seen = {simulation.time: simulation.poses}
+    begin = history.begin
+    while history.begin == begin and simulation.time < 100.0:
+        simulation.step(100)
+        seen[simulation.time] = simulation.poses
+
+    for time in [each for each in seen if each >= history.begin]:
+        assert (simulation.seek(time).poses == seen[time]).all()
+    assert simulation.seek(history.begin).time == history.begin
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_run_that_goes_back_and_on_at_random_is_what_it_was(world_of, seed):
+    """With commands, messages, spawns and moves, in a memory that is soon full."""
+    rng = np.random.default_rng(seed)
+    with Simulation(world_of(noise="0.02"), seed=seed) as simulation:
+        memory = int(rng.integers(15_000, 60_000))
+        history = simulation.keep_history(interval=0.1, memory=memory)
+        seen = {0.0: simulation.poses}
+        for k in range(120):
+            if rng.random() < 0.3:
+                for time in rng.choice([each for each in seen if each >= history.begin], 3):
+                    assert (simulation.seek(time).poses == seen[time]).all()
+                if rng.random() < 0.7:
+                    simulation.seek(history.end)
+            seen = {time: poses for time, poses in seen.items() if time <= simulation.time}
+            act(simulation, f"crate{k}", rng)
+            simulation.step(int(rng.integers(1, 60)))
+            seen[simulation.time] = simulation.poses
+
+
+def act(simulation, name, rng):
+    """Does one thing at random that comes from outside."""
+    vx, turn = rng.uniform(-1.0, 1.0, 2)
+    crates = [name for name in simulation.models if name.startswith("crate")]
+    action = rng.choice(
+        ["command", "publish", "spawn", "move", "delete"], p=[0.4, 0.3, 0.1, 0.1, 0.1]
+    )
+    if action == "command":
+        simulation.models["robot"].command(vx, turn)
+    elif action == "publish":
+        simulation.publish("cmd_vel", twist(vx, turn))
+    elif action == "spawn":
+        simulation.spawn(BOX, name, (3 * vx, 3 * turn, 0))
+    elif action == "move" and crates:
+        simulation.move(crates[0], (3 * vx, 3 * turn, 0))
+    elif crates:
+        simulation.delete(crates[0])
+
+
 @pytest.mark.parametrize("time", [-0.01, 2.51, np.nan, np.inf, "now", None])
 def test_a_time_that_the_history_does_not_have_is_refused(simulation, time):
     simulation.step(500)

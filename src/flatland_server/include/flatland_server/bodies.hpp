@@ -44,10 +44,10 @@ class Bodies : public SlotMap<BodyRecord> {
     ChangeStructure();
   }
   /// The bodies that may move, in the order in which they were added.
-  const std::vector<const BodyRecord*>& Moving() const {
+  const std::vector<BodyRecord*>& Moving() const {
     if (moving_revision_ != structure_revision_) {
       moving_.clear();
-      ForEach([this](Body, const BodyRecord& record) {
+      const_cast<Bodies*>(this)->ForEach([this](Body, BodyRecord& record) {
         if (record.may_move) moving_.push_back(&record);
       });
       moving_revision_ = structure_revision_;
@@ -64,7 +64,7 @@ class Bodies : public SlotMap<BodyRecord> {
  private:
   uint64_t revision_ = 1;
   uint64_t structure_revision_ = 1;
-  mutable std::vector<const BodyRecord*> moving_;
+  mutable std::vector<BodyRecord*> moving_;
   mutable uint64_t moving_revision_ = 0;  // structure revision that `moving_` shows
 };
 

@@ -27,11 +27,17 @@ struct BodyRecord {
     bool collides = true;      // on its layers
   };
 
-  /// The walls of large layers that Box2D has for a dynamic body; see NearbyWalls.
+  /// The walls that Box2D has for a dynamic body; see Layers.
   struct Nearby {
-    bool is_current = false;                    // false: they must be looked up again
-    b2Vec2 center = b2Vec2_zero;                // of mass, when they were looked up [m]
-    std::vector<std::vector<uint32_t>> blocks;  // of each large layer
+    struct Block {
+      uint32_t layer = 0;
+      uint32_t number = 0;
+    };
+
+    bool is_current = false;      // false: they must be looked up again
+    b2Vec2 center = b2Vec2_zero;  // of mass, when they were looked up [m]
+    float room = 0.0f;            // how far it may be from there, along either axis [m]
+    std::vector<Block> blocks;    // in ascending order
   };
 
   /// Gives a dynamic body a mass: another body gets the same bits from what GetMassData then tells.
@@ -47,14 +53,13 @@ struct BodyRecord {
 
   b2Body* body = nullptr;
   bool is_layer = false;
+  uint32_t layer = 0;      // its number among the layers
   bool is_person = false;  // of a crowd
-  int large_layer = -1;    // its number among the large layers, or -1
   bool may_move = true;    // false: it stays where it is, unless World::SetPose moves it
   ContactEvents contact_events = kNoContactEvents;  // that the contact listener receives
   bool is_recorded = false;                         // its collisions are recorded
-  bool has_changed_material = false;                // of a fixture
-  std::vector<FixtureRecord> fixtures;  // by Fixture::index; a large layer has none here
-  MassSum mass;                         // of the fixtures, for a dynamic body
+  std::vector<FixtureRecord> fixtures;              // by Fixture::index; a layer has none here
+  MassSum mass;                                     // of the fixtures, for a dynamic body
   Nearby nearby;
 };
 

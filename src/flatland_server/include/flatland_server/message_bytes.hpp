@@ -18,13 +18,16 @@
 
 namespace flatland {
 
+/// The difference between stamps and simulated time [ns], of all messages of this process.
+inline int64_t stamp_offset = 0;
+
 class MessageBytes {
  public:
   explicit MessageBytes(std::string data) : data_(std::move(data)) {}
 
   const std::string& data() const { return data_; }
 
-  // Each throws std::out_of_range if the data ends before the field does.
+  // Each throws std::out_of_range if the data ends before the field does. The time is simulated.
   void SetHeader(std::size_t at, uint32_t sequence, int64_t nanoseconds);
   void SetPose(std::size_t at, const Pose& pose);
   void SetTwist(std::size_t at, const Twist& twist);

@@ -64,9 +64,6 @@ class SegmentTree {
  public:
   /// Children of a node, and walls of a leaf.
   static constexpr int kWidth = 8;
-  /// Trees of more walls are large.
-  static constexpr size_t kMaxCopied = 500'000;
-
   /// Walls between two reports of progress.
   static constexpr size_t kProgressStep = 50'000;
 

@@ -32,14 +32,11 @@
 #include "flatland_server/joint.hpp"
 #include "flatland_server/lidars.hpp"
 #include "flatland_server/mechanisms.hpp"
-#include "flatland_server/segment_tree.hpp"
 
 namespace flatland {
 
 class Layers;
 class NearbyWalls;
-class WallSnapshot;
-class WallTree;
 struct WorldState;
 
 class World : public Access, private b2DestructionListener {
@@ -53,39 +50,23 @@ class World : public Access, private b2DestructionListener {
   using LidarHandle = Lidars::LidarHandle;
   using CrowdHandle = Handle<Crowd>;
 
-  /// Layers of more walls are large: Box2D has only those walls that are near dynamic bodies, which
-  /// are few. That saves 400 bytes a wall; but contacts may be found in another order, so that a
-  /// step is the same up to rounding.
-  static constexpr std::size_t kLargeLayer = SegmentTree::kMaxCopied;
+  /// Box2D has the walls that are up to so far beyond what a body will reach in its next step [m].
+  static constexpr float kRoom = 0.3f;
 
   /// Solver iterations per step, each 1 or more.
-  World(int velocity_iterations, int position_iterations, std::size_t large_layer = kLargeLayer);
+  World(int velocity_iterations, int position_iterations, float room = kRoom);
   ~World();
 
   /// A world that makes the same steps from here on, bit for bit. Handles name the same things in
-  /// both; but it has no drifts, and no contact listener, and nothing has chosen events. In the
-  /// copy, Box2D has all walls of large layers: with such a layer, throws std::invalid_argument if
-  /// a step was made.
+  /// both; but it has no drifts, and no contact listener, and nothing has chosen events.
   std::unique_ptr<World> Copy() const;
-
-  // ---- Layers used again ----
-
-  /// To be called when all layers were added and nothing else: TakeLayers goes back to here. It
-  /// takes 0.4 MB for an office.
-  void RememberLayers();
-  /// Makes this empty world one that has just the layers that `equal` had at its RememberLayers,
-  /// by taking them from a world that is not used any more: all handles of that are gone. Steps are
-  /// those of a world to which they were added, bit for bit, and it takes a tenth of the time.
-  /// Returns false, and changes nothing, if the first layers of `former` are others.
-  bool TakeLayers(World& former, const World& equal);
-  /// The layers in the order in which they were added.
-  std::vector<Body> GetLayers() const;
 
   // ---- Bodies ----
 
   Body AddBody(const BodySettings& settings);
   /// Adds a static body of two-sided walls [m], one fixture each, that cannot be moved or removed.
-  /// `progress` is called with their number so far, about every 50,000 and at the end.
+  /// Box2D has those near dynamic bodies. `progress` is called with their number so far, about
+  /// every 50,000 and at the end.
   Body AddLayer(std::vector<Segment> walls, LayerBits layers,
                 const std::function<void(std::size_t added)>& progress = {});
   /// Also removes its fixtures, joints, drives, tweens and lidars.
@@ -93,7 +74,7 @@ class World : public Access, private b2DestructionListener {
   bool Contains(Body body) const { return bodies_.Contains(body); }
   /// Number of bodies, layers included.
   int body_count() const;
-  /// Number of walls of large layers that Box2D has at present.
+  /// Number of walls that Box2D has at present: those near dynamic bodies.
   int held_wall_count() const;
   b2BodyType GetType(Body body) const { return Find(body).GetType(); }
   /// True if Box2D simulates it; a body at rest falls asleep.
@@ -286,12 +267,13 @@ class World : public Access, private b2DestructionListener {
 
  private:
   friend class SharedWorld;
+  friend class WorldBatch;
   friend struct WorldState;
 
   b2Body& Find(Body body) const;
   b2Fixture& Find(Fixture fixture) const;
-  /// The large layer that a fixture is a wall of, or null.
-  NearbyWalls* FindLargeLayer(Fixture fixture) const;
+  /// The layer that a fixture is a wall of, or null.
+  NearbyWalls* FindLayer(Fixture fixture) const;
   Fixture AddFixture(Body body, const b2Shape& shape, const FixtureSettings& settings);
   void SetShape(Fixture fixture, const b2Shape& shape, std::optional<LayerBits> layers);
   /// Calls `apply(b2Body&)` now or, in the contact listener, after the step.
@@ -314,8 +296,8 @@ class World : public Access, private b2DestructionListener {
     ApplyOrDefer(bodies_.HandleOf(*hinge.GetBodyB()), [&hinge, apply](b2Body&) { apply(hinge); });
   }
   Joint AddJoint(const b2JointDef& definition);
-  /// Forgets all bodies, with what is on them, and returns their records. Box2D keeps them.
-  std::vector<BodyRecord> RemoveAll();
+  /// A copy that is in a state of this world.
+  std::unique_ptr<World> Copy(const WorldState& state) const;
   void SayGoodbye(b2Joint* joint) override;
   void SayGoodbye(b2Fixture*) override {}
 
@@ -329,9 +311,7 @@ class World : public Access, private b2DestructionListener {
   SlotMap<b2Joint*> joints_{"joint"};
   Mechanisms mechanisms_;
   SlotMap<Crowd> crowds_{"crowd"};
-  std::shared_ptr<const WallSnapshot> snapshot_;       // of RememberLayers
-  mutable std::shared_ptr<const WallTree> wall_tree_;  // of the latest state, or null
-  int completed_steps_ = 0;                            // since the call of StepUntilContact
+  int completed_steps_ = 0;  // since the call of StepUntilContact
 };
 
 }  // namespace flatland

@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "flatland_server/parallel.hpp"
-#include "flatland_server/shared_world.hpp"
 #include "flatland_server/world.hpp"
 
 namespace flatland {
@@ -49,6 +48,9 @@ struct BatchRows {
   bool* collided;            ///< true if the robot has touched something solid since the last row
   int64_t* steps;            ///< made since the beginning or the last reset; for each environment
 };
+
+class SharedState;
+class SharedWorld;
 
 class WorldBatch {
  public:
@@ -103,8 +105,8 @@ class WorldBatch {
   std::string SaveState(int row);
   /// Puts each environment that `mask` chooses (null: all) into one of some saved states, that with
   /// the index in `chosen` (count), after as many steps as there are in `steps` (count), and writes
-  /// its row. Throws std::invalid_argument, and changes nothing, if a state is damaged, or of a
-  /// world in which something is different that environments share.
+  /// its row. Throws std::invalid_argument, and changes nothing, if a state is damaged, or of
+  /// another world.
   void LoadStates(const bool* mask, const std::vector<std::string_view>& states,
                   const int64_t* chosen, const int64_t* steps, const BatchRows& rows);
   /// Writes all rows; `collided` as in the last row.
@@ -125,23 +127,19 @@ class WorldBatch {
 
  private:
   struct Environment {
-    std::unique_ptr<SharedWorld> own;  // null: it shares its thread's world
-    std::unique_ptr<SharedWorld::State> state;
+    std::shared_ptr<SharedWorld> world;  // that of its thread, or its own
+    std::unique_ptr<SharedState> state;
     int64_t steps = 0;
   };
 
-  /// Calls `visit(world, environment, row)` for the environments for which `mask` (null: all) has a
-  /// true among their `width` values, on all threads, each of which has a world and some of the
-  /// environments.
+  /// Calls `visit(world, environment, row)`, with the world in the environment's state, for the
+  /// environments for which `mask` (null: all) has a true among their `width` values, on all
+  /// threads, each of which has a world and some of the environments.
   template <class Visit>
   void ForEach(const bool* mask, int width, Visit visit);
   /// Tells the processor to fetch what a visit of an environment will need: `distance` visits
   /// before, from 3 to 1. Each time it looks at what it has fetched the time before.
-  void Prefetch(const SharedWorld& shared, int row, int distance) const;
-  /// The world that an environment shares, or its own one.
-  SharedWorld& SharedOf(int row);
-  /// A state that an environment can be put into; throws std::invalid_argument otherwise.
-  WorldState ReadState(std::string_view bytes, int row);
+  void Prefetch(int row, int distance) const;
   void Advance(const bool* mask, const double* actions, int substeps, double dt,
                const BatchRows* rows, bool goes_on);
   /// Commands a robot to stop if its action is null.
@@ -158,11 +156,10 @@ class WorldBatch {
   std::vector<BatchModel> models_;
   std::vector<World::Body> moved_;  // those of the robots and the models
   int beams_ = 0;
-  int64_t first_step_ = 0;                            // at the beginning
-  std::vector<std::unique_ptr<SharedWorld>> worlds_;  // one for each thread
-  std::vector<Environment> environments_;             // destroyed before the worlds
-  std::vector<char> collided_;                        // for each robot of each environment
-  std::vector<SeenWalls> seen_;                       // the same: by its last scan
+  int64_t first_step_ = 0;  // at the beginning
+  std::vector<Environment> environments_;
+  std::vector<char> collided_;   // for each robot of each environment
+  std::vector<SeenWalls> seen_;  // the same: by its last scan
   ThreadTeam team_;
 };
 

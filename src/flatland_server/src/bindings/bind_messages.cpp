@@ -239,6 +239,9 @@ void BindQueues(py::module_& m) {
 }  // namespace
 
 void BindMessages(py::module_& m) {
+  m.def(
+      "set_stamp_offset", [](int64_t nanoseconds) { stamp_offset = nanoseconds; },
+      py::arg("nanoseconds"));
   py::class_<RelativePoses>(m, "RelativePoses")
       .def(py::init<const std::optional<PyBody>&, const std::vector<PyBody>&,
                     const std::optional<PyDrift>&>(),

@@ -18,11 +18,10 @@ std::vector<Segment> ToSegments(const Doubles& rows) {
   if (rows.ndim() != 2 || rows.shape(1) != 4) {
     throw std::invalid_argument("segments must be an array of shape (n, 4): x1, y1, x2, y2");
   }
-  const auto values = rows.unchecked<2>();
-  std::vector<Segment> segments(values.shape(0));
-  for (py::ssize_t i = 0; i < values.shape(0); ++i) {
-    segments[i] = {{values(i, 0), values(i, 1)}, {values(i, 2), values(i, 3)}};
-  }
+  static_assert(sizeof(Segment) == 4 * sizeof(double));
+  std::vector<Segment> segments(rows.shape(0));
+  if (!segments.empty())
+    std::memcpy(static_cast<void*>(segments.data()), rows.data(), rows.nbytes());
   return segments;
 }
 
@@ -82,21 +81,6 @@ void BindWorld(py::module_& m) {
             return PyBody{self.world, self.world->AddLayer(ToSegments(segments), layers, report)};
           },
           py::arg("segments"), py::arg("layers"), py::arg("progress") = py::none())
-      .def("remember_layers", [](PyWorld& self) { self.world->RememberLayers(); })
-      .def(
-          "take_layers",
-          [](PyWorld& self, const PyWorld& former, const PyWorld& equal) {
-            return self.world->TakeLayers(*former.world, *equal.world);
-          },
-          py::arg("former"), py::arg("equal"))
-      .def_property_readonly("layers",
-                             [](const PyWorld& self) {
-                               std::vector<PyBody> layers;
-                               for (const World::Body& body : self.world->GetLayers()) {
-                                 layers.push_back({self.world, body});
-                               }
-                               return layers;
-                             })
       .def(
           "add_body",
           [](PyWorld& self, const std::string& type, const Triple& pose, double linear_damping,

@@ -65,15 +65,4 @@ b2Contact* MakeContact(b2World& world, b2Fixture& a, b2Fixture& b) {
   return manager.m_contactCount == before ? nullptr : manager.m_contactList;
 }
 
-void CopyContact(b2World& world, b2Contact& old) {
-  b2Contact* const contact = MakeContact(world, *old.GetFixtureA(), *old.GetFixtureB());
-  if (contact == nullptr) return;
-  ContactInternals::Flags(*contact) = ContactInternals::Flags(old);
-  *contact->GetManifold() = *old.GetManifold();
-  contact->SetFriction(old.GetFriction());
-  contact->SetRestitution(old.GetRestitution());
-  contact->SetRestitutionThreshold(old.GetRestitutionThreshold());
-  contact->SetTangentSpeed(old.GetTangentSpeed());
-}
-
 }  // namespace flatland::box2d

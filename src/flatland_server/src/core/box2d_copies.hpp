@@ -15,8 +15,5 @@ b2Joint* CopyJoint(b2World& world, b2Joint& old, b2Body* a, b2Body* b);
 /// Makes a contact, which becomes Box2D's newest, and wakes its bodies. Null if the two have one
 /// already, or cannot collide.
 b2Contact* MakeContact(b2World& world, b2Fixture& a, b2Fixture& b);
-/// The same with all that another contact of these fixtures keeps from step to step. In the same
-/// world, that one must be out of the lists of contacts.
-void CopyContact(b2World& world, b2Contact& old);
 
 }  // namespace flatland::box2d

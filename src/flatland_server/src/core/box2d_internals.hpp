@@ -27,17 +27,7 @@ struct FixtureInternals : b2Fixture {
   static int32 ProxyCount(const b2Fixture& fixture) {
     return fixture.*(&FixtureInternals::m_proxyCount);
   }
-  /// Gives a fixture that is not in Box2D's tree the proxy with which it would be there.
-  static void MakeProxy(b2Fixture& fixture) {
-    fixture.*(&FixtureInternals::m_proxyCount) = 1;
-    b2FixtureProxy& proxy = *Proxies(fixture);
-    fixture.GetShape()->ComputeAABB(&proxy.aabb, fixture.GetBody()->GetTransform(), 0);
-    proxy.fixture = &fixture;
-    proxy.childIndex = 0;
-    proxy.proxyId = b2BroadPhase::e_nullProxy;
-  }
   static b2Fixture*& Next(b2Fixture& fixture) { return fixture.*(&FixtureInternals::m_next); }
-  static b2Shape*& Shape(b2Fixture& fixture) { return fixture.*(&FixtureInternals::m_shape); }
 };
 
 struct RevoluteInternals : b2RevoluteJoint {
@@ -57,12 +47,6 @@ template <class Tag, typename Tag::Pointer member>
 struct DefineMember {
   friend constexpr typename Tag::Pointer Member(Tag) { return member; }
 };
-
-struct BodyFlags {
-  using Pointer = uint16 b2Body::*;
-  friend constexpr Pointer Member(BodyFlags);
-};
-template struct DefineMember<BodyFlags, &b2Body::m_flags>;
 
 struct BodyForce {
   using Pointer = b2Vec2 b2Body::*;
@@ -106,6 +90,18 @@ struct BodyContacts {
 };
 template struct DefineMember<BodyContacts, &b2Body::m_contactList>;
 
+struct WorldBodyList {
+  using Pointer = b2Body* b2World::*;
+  friend constexpr Pointer Member(WorldBodyList);
+};
+template struct DefineMember<WorldBodyList, &b2World::m_bodyList>;
+
+struct WorldBodyCount {
+  using Pointer = int32 b2World::*;
+  friend constexpr Pointer Member(WorldBodyCount);
+};
+template struct DefineMember<WorldBodyCount, &b2World::m_bodyCount>;
+
 struct WorldInverseStep {
   using Pointer = float b2World::*;
   friend constexpr Pointer Member(WorldInverseStep);
@@ -117,6 +113,12 @@ struct WorldNewContacts {
   friend constexpr Pointer Member(WorldNewContacts);
 };
 template struct DefineMember<WorldNewContacts, &b2World::m_newContacts>;
+
+struct WorldStepComplete {
+  using Pointer = bool b2World::*;
+  friend constexpr Pointer Member(WorldStepComplete);
+};
+template struct DefineMember<WorldStepComplete, &b2World::m_stepComplete>;
 
 struct BroadPhaseTree {
   using Pointer = b2DynamicTree b2BroadPhase::*;
@@ -172,12 +174,6 @@ struct TreeFreeList {
 };
 template struct DefineMember<TreeFreeList, &b2DynamicTree::m_freeList>;
 
-struct TreeInsertionCount {
-  using Pointer = int32 b2DynamicTree::*;
-  friend constexpr Pointer Member(TreeInsertionCount);
-};
-template struct DefineMember<TreeInsertionCount, &b2DynamicTree::m_insertionCount>;
-
 inline b2Vec2& Force(b2Body& body) { return body.*Member(BodyForce()); }
 inline float& Torque(b2Body& body) { return body.*Member(BodyTorque()); }
 inline float& SleepTime(b2Body& body) { return body.*Member(BodySleepTime()); }
@@ -188,16 +184,22 @@ inline b2Transform& Transform(b2Body& body) { return body.*Member(BodyTransform(
 inline b2Fixture*& Fixtures(b2Body& body) { return body.*Member(BodyFixtures()); }
 /// The head of a body's list of contacts.
 inline b2ContactEdge*& ContactList(b2Body& body) { return body.*Member(BodyContacts()); }
+/// The head of the list of bodies, the newest first, and their number.
+inline b2Body*& BodyList(b2World& world) { return world.*Member(WorldBodyList()); }
+inline int32& BodyCount(b2World& world) { return world.*Member(WorldBodyCount()); }
 /// One over the length of the last step [1/s], 0 before the first.
 inline float& InverseStep(b2World& world) { return world.*Member(WorldInverseStep()); }
 /// True if bodies or fixtures, which may have new contacts, were moved since the last step.
 inline bool& NewContacts(b2World& world) { return world.*Member(WorldNewContacts()); }
+/// False: the next step only goes on to look for times of impact, as after a substep.
+inline bool& StepComplete(b2World& world) { return world.*Member(WorldStepComplete()); }
 inline b2ContactManager& Contacts(b2World& world) {
   return const_cast<b2ContactManager&>(world.GetContactManager());
 }
-inline b2DynamicTree& Tree(b2World& world) {
-  return Contacts(world).m_broadPhase.*Member(BroadPhaseTree());
+inline b2DynamicTree& Tree(b2BroadPhase& broad_phase) {
+  return broad_phase.*Member(BroadPhaseTree());
 }
+inline b2DynamicTree& Tree(b2World& world) { return Tree(Contacts(world).m_broadPhase); }
 /// The ids of the proxies that may have new contacts, and their number.
 inline int32*& Moves(b2World& world) {
   return Contacts(world).m_broadPhase.*Member(BroadPhaseMoves());
@@ -219,8 +221,6 @@ inline int32& NodeCapacity(b2World& world) { return NodeCapacity(Tree(world)); }
 inline int32& NodeCount(b2World& world) { return Tree(world).*Member(TreeNodeCount()); }
 /// The first of the nodes that are not in use, each of which names the next one.
 inline int32& FreeList(b2World& world) { return Tree(world).*Member(TreeFreeList()); }
-/// Number of times that a leaf was put into the tree: when it was added, and whenever it was moved.
-inline int32& InsertionCount(b2World& world) { return Tree(world).*Member(TreeInsertionCount()); }
 
 /// Spares the next step a search for what fixtures touch that were added since the last step: those
 /// from `begin` on among the proxies that may have new contacts. They must be static, and so must
@@ -228,8 +228,8 @@ inline int32& InsertionCount(b2World& world) { return Tree(world).*Member(TreeIn
 ///
 /// Static fixtures have no contacts with each other. What is added later finds them: Box2D searches
 /// a pair of new fixtures from the one with the higher index, which is the later one. So the
-/// contacts, and their order, are the same. In a map of 5,000 walls this saves 4 ms.
-inline void SkipPairsOfNewFixtures(b2World& world, int32 begin = 0) {
+/// contacts, and their order, are the same.
+inline void SkipPairsOfNewFixtures(b2World& world, int32 begin) {
   for (int32 i = begin; i < MoveCount(world); ++i) {
     const int32 moved = Moves(world)[i];
     if (moved != b2BroadPhase::e_nullProxy) Tree(world).ClearMoved(moved);
@@ -248,26 +248,5 @@ inline void FindPairsAgain(b2Body& body) {
   }
   NewContacts(world) = true;
 }
-
-/// As long as it exists, the fixtures that a body gets, its first ones, do not come into the tree,
-/// where each has to find its place: a tree in which they are is to replace it.
-class OutsideTree {
- public:
-  explicit OutsideTree(b2Body& body) : body_(body), flags_(body.*Member(BodyFlags())) {
-    body.SetEnabled(false);
-  }
-  OutsideTree(const OutsideTree&) = delete;
-  OutsideTree& operator=(const OutsideTree&) = delete;
-  ~OutsideTree() {
-    for (b2Fixture* each = body_.GetFixtureList(); each != nullptr; each = each->GetNext()) {
-      FixtureInternals::MakeProxy(*each);
-    }
-    body_.*Member(BodyFlags()) = flags_;
-  }
-
- private:
-  b2Body& body_;
-  const uint16 flags_;
-};
 
 }  // namespace flatland::box2d

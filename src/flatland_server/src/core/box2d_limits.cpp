@@ -5,14 +5,7 @@
 
 namespace flatland {
 
-void Require(bool condition, const char* message) {
-  if (!condition) throw std::invalid_argument(message);
-}
-
-void RequirePosition(Vec2 position) {
-  Require(std::abs(position.x) <= kMaxCoordinate && std::abs(position.y) <= kMaxCoordinate,
-          "a position must be finite and within 100 km of the origin");
-}
+void Refuse(const char* message) { throw std::invalid_argument(message); }
 
 void RequireNotNegative(double value, const char* message) {
   Require(IsUsable(value) && value >= 0.0, message);

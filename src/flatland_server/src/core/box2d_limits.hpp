@@ -5,6 +5,7 @@
 
 #include <box2d/box2d.h>
 
+#include <cmath>
 #include <vector>
 
 #include "flatland_server/geometry.hpp"
@@ -27,9 +28,15 @@ constexpr double kMinStep = 1e-9;
 
 // Each throws std::invalid_argument with the message if the condition is not met.
 
-void Require(bool condition, const char* message);
+[[noreturn]] void Refuse(const char* message);
+inline void Require(bool condition, const char* message) {
+  if (!condition) Refuse(message);
+}
 /// A position must be finite and within kMaxCoordinate.
-void RequirePosition(Vec2 position);
+inline void RequirePosition(Vec2 position) {
+  Require(std::abs(position.x) <= kMaxCoordinate && std::abs(position.y) <= kMaxCoordinate,
+          "a position must be finite and within 100 km of the origin");
+}
 void RequireNotNegative(double value, const char* message);
 
 /// True if b2PolygonShape::Set finds a hull with an area.

@@ -1,23 +1,18 @@
 #include "layers.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 
 #include "box2d_internals.hpp"
 #include "flatland_server/segment_tree.hpp"
 #include "flatland_server/visible_fixture.hpp"
-#include "saved_tree.hpp"
-#include "tree_order.hpp"
+#include "to_box2d.hpp"
 
 namespace flatland {
 namespace {
 
-/// Distance that a body moves before the walls near it are looked up again [m].
-constexpr float kSlack = 0.5f;
-/// Walls within this of a body's reach are near it [m]. In a step, Box2D moves no body farther than
-/// b2_maxTranslation; the rest is for the skin of shapes, and for rounding.
-constexpr float kNear = b2_maxTranslation + kSlack + 0.2f;
+/// For the skin of shapes, and for rounding [m].
+constexpr float kSkin = 0.05f;
 
 /// Greatest distance of a body's fixtures from its centre of mass [m], and the layers that they
 /// collide with.
@@ -36,161 +31,116 @@ struct Reach {
   LayerBits layers = 0;
 };
 
-std::vector<b2AABB> BoxesOf(const std::vector<Segment>& walls) {
-  std::vector<b2AABB> boxes(walls.size());
-  b2Transform identity;
-  identity.SetIdentity();
-  for (size_t i = 0; i < walls.size(); ++i) EdgeOf(walls[i]).ComputeAABB(&boxes[i], identity, 0);
-  return boxes;
+/// How far a body is from where its walls were looked up, along the axis where that is more.
+float WayOf(const BodyRecord& record) {
+  const b2Vec2 way = b2Abs(record.body->GetWorldCenter() - record.nearby.center);
+  return std::max(way.x, way.y);
 }
 
-std::vector<b2Fixture*> FixturesOf(const BodyRecord& record) {
-  std::vector<b2Fixture*> fixtures;
-  for (const BodyRecord::FixtureRecord& each : record.fixtures) fixtures.push_back(each.fixture);
-  return fixtures;
+/// Bodies that sleep have the walls that they had, and others have no contacts with walls.
+bool MayReachWalls(const BodyRecord& record) {
+  return record.body->IsAwake() && record.body->GetType() == b2_dynamicBody;
 }
 
 }  // namespace
 
-bool Layers::BeginWith(const std::vector<Layer>& layers) const {
-  if (layers.size() > all_.size()) return false;
-  return std::equal(layers.begin(), layers.end(), all_.begin(), [](const Layer& a, const Layer& b) {
-    return a.walls == b.walls && a.bits == b.bits;
-  });
-}
-
-void Layers::TakeFrom(Layers& other, std::size_t count) {
-  other.all_.resize(count);
-  const auto is_large = [&](const Layer& each) { return each.walls->segment_count() > large_; };
-  other.large_layers_.resize(
-      static_cast<std::size_t>(std::count_if(other.all_.begin(), other.all_.end(), is_large)));
-  for (const auto& large : other.large_layers_) {
-    large->Clear();
-    large->SetMaterials({kDefaultMaterial});
-  }
-  all_ = std::exchange(other.all_, {});
-  large_layers_ = std::exchange(other.large_layers_, {});
+void Layers::CopyFrom(const Layers& other) {
+  all_ = other.all_;
+  for (const auto& each : other.nearby_) nearby_.push_back(std::make_unique<NearbyWalls>(*each));
 }
 
 Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits bits,
                          const std::function<void(std::size_t added)>& progress) {
-  const bool has_layers_alone = AreAlone(world);
   const b2BodyDef definition;
   BodyRecord record;
   record.body = world.CreateBody(&definition);
   record.is_layer = true;
+  record.layer = static_cast<uint32_t>(all_.size());
   record.may_move = false;
-  const bool is_large = walls.size() > large_;
-  std::shared_ptr<const WallTree> tree;  // of these walls alone, if it is known
-  if (!is_large && has_layers_alone && box2d::InsertionCount(world) == 0) {
-    tree = WallTree::Latest({BoxesOf(walls)});
-  }
-  std::optional<box2d::OutsideTree> outside;
-  if (tree != nullptr) outside.emplace(*record.body);
-  if (is_large) {
-    record.large_layer = static_cast<int>(large_layers_.size());
-    all_.push_back({SegmentTree::Share(std::move(walls), progress), bits});
-  } else {
-    record.fixtures.reserve(walls.size());
-    for (const Segment& wall : walls) {
-      const auto index = static_cast<uint32_t>(record.fixtures.size());
-      record.fixtures.push_back(
-          {AddWall(*record.body, wall, index, bits, kDefaultMaterial), false, 0.0});
-      const size_t added = record.fixtures.size();
-      const bool is_due = added % SegmentTree::kProgressStep == 0 || added == walls.size();
-      if (progress && is_due) progress(added);
-    }
-    all_.push_back({SegmentTree::Share(std::move(walls)), bits});
-  }
-  outside.reset();
-  if (tree != nullptr) tree->PutInto(world, FixturesOf(record));
-  if (has_layers_alone) box2d::SkipPairsOfNewFixtures(world);
+  all_.push_back({SegmentTree::Share(std::move(walls), progress), bits});
   const Bodies::Body handle = bodies_.Add(std::move(record));
-  // A slot of a later generation was that of a body, whose moves have changed the tree.
-  if (has_layers_alone && handle.generation == 1 && tree == nullptr) box2d::OrderNodes(world);
-  if (is_large) {
-    large_layers_.push_back(std::make_unique<NearbyWalls>(all_.back().walls, bits, handle.index));
-    bodies_.ForEach([](auto, BodyRecord& each) { each.nearby.is_current = false; });
-  }
+  nearby_.push_back(std::make_unique<NearbyWalls>(all_.back().walls, bits, handle.index));
+  bodies_.ForEach([](auto, BodyRecord& each) { each.nearby.is_current = false; });
   return handle;
 }
 
 int Layers::held_body_count() const {
   int count = 0;
-  for (const auto& each : large_layers_) count += each->held_count();
+  for (const auto& each : nearby_) count += each->held_block_count();
   return count;
 }
 
 int Layers::held_wall_count() const {
-  int count = 0;
-  for (const auto& each : large_layers_) count += each->held_wall_count();
-  return count;
-}
-
-NearbyWalls* Layers::LargeLayerOf(const BodyRecord& record) const {
-  return record.large_layer < 0 ? nullptr : large_layers_[record.large_layer].get();
+  std::vector<b2Fixture*> fixtures;
+  AppendHeldFixtures(fixtures);
+  return static_cast<int>(fixtures.size());
 }
 
 size_t Layers::FixtureCountOf(const BodyRecord& record) const {
-  const NearbyWalls* large = LargeLayerOf(record);
-  return large == nullptr ? record.fixtures.size() : large->size();
-}
-
-void Layers::HoldWallsNearBodies(b2World& world) {
-  if (large_layers_.empty()) return;
-  bodies_.ForEach([&](auto, BodyRecord& record) {
-    if (record.body->GetType() != b2_dynamicBody) return;
-    const b2Vec2 way = record.body->GetWorldCenter() - record.nearby.center;
-    if (record.nearby.is_current && std::max(std::abs(way.x), std::abs(way.y)) <= kSlack) return;
-    HoldWallsNear(world, record);
-  });
-}
-
-void Layers::HoldWallsNear(b2World& world, BodyRecord& record) {
-  const Reach reach(record);
-  const b2Vec2 center = record.body->GetWorldCenter();
-  const double size = double{reach.radius} + kNear;
-  const Box box{{center.x - size, center.y - size}, {center.x + size, center.y + size}};
-  std::vector<std::vector<uint32_t>> blocks;
-  const int32 moves = box2d::MoveCount(world);
-  for (const auto& layer : large_layers_) {
-    const bool collides = (layer->layers() & reach.layers) != 0;
-    blocks.push_back(collides ? layer->BlocksAt(box) : std::vector<uint32_t>());
-    layer->Hold(world, blocks.back());
-  }
-  // The body looks for the walls: in a large world, it would take long if each wall did.
-  box2d::SkipPairsOfNewFixtures(world, moves);
-  box2d::FindPairsAgain(*record.body);
-  ReleaseWallsNear(world, record);
-  record.nearby = {true, center, std::move(blocks)};
-}
-
-void Layers::ReleaseWallsNear(b2World& world, BodyRecord& record) {
-  for (size_t i = 0; i < record.nearby.blocks.size(); ++i) {
-    large_layers_[i]->Release(world, record.nearby.blocks[i]);
-  }
-  record.nearby = {};
-}
-
-void Layers::HoldWallsOf(b2World& world, BodyRecord& record, BodyRecord::Nearby nearby) {
-  for (size_t i = 0; i < nearby.blocks.size(); ++i) {
-    large_layers_[i]->Hold(world, nearby.blocks[i]);
-  }
-  record.nearby = std::move(nearby);
-}
-
-void Layers::AppendHeldFixtures(std::vector<b2Fixture*>& fixtures) const {
-  for (const auto& layer : large_layers_) {
-    for (b2Body* body : layer->HeldBodies()) {
-      b2Fixture* fixture = body->GetFixtureList();
-      for (; fixture != nullptr; fixture = fixture->GetNext()) fixtures.push_back(fixture);
-    }
-  }
+  return record.is_layer ? nearby_[record.layer]->size() : record.fixtures.size();
 }
 
 b2Fixture* Layers::FixtureOrNull(const BodyRecord& record, uint32_t index) const {
-  const NearbyWalls* large = LargeLayerOf(record);
-  return large == nullptr ? record.fixtures[index].fixture : large->Find(index);
+  return record.is_layer ? nearby_[record.layer]->Find(index) : record.fixtures[index].fixture;
+}
+
+void Layers::HoldWallsNearBodies(b2World& world, float dt) {
+  if (nearby_.empty()) return;
+  for (BodyRecord* const record : bodies_.Moving()) {
+    if (!MayReachWalls(*record)) continue;
+    const float step = std::min(record->body->GetLinearVelocity().Length() * dt, b2_maxTranslation);
+    if (record->nearby.is_current && WayOf(*record) + step <= record->nearby.room) continue;
+    const b2Vec2 center = record->body->GetWorldCenter();
+    HoldWallsNear(world, *record, {center, center}, room_ + step);
+  }
+}
+
+bool Layers::HoldWallsOnTheWay(b2World& world) {
+  bool has_come_far = false;
+  if (nearby_.empty()) return has_come_far;
+  for (BodyRecord* const record : bodies_.Moving()) {
+    const BodyRecord::Nearby& nearby = record->nearby;
+    if (!MayReachWalls(*record) || (nearby.is_current && WayOf(*record) <= nearby.room)) continue;
+    const b2Sweep& sweep = box2d::Sweep(*record->body);
+    HoldWallsNear(world, *record, {b2Min(sweep.c0, sweep.c), b2Max(sweep.c0, sweep.c)}, room_);
+    has_come_far = true;
+  }
+  return has_come_far;
+}
+
+void Layers::HoldWallsNear(b2World& world, BodyRecord& record, const b2AABB& centers, float room) {
+  const Reach reach(record);
+  const double size = double{reach.radius} + room + kSkin;
+  const Box box{{centers.lowerBound.x - size, centers.lowerBound.y - size},
+                {centers.upperBound.x + size, centers.upperBound.y + size}};
+  BodyRecord::Nearby nearby{true, record.body->GetWorldCenter(), room, {}};
+  const int32 moves = box2d::MoveCount(world);
+  for (uint32_t i = 0; i < nearby_.size(); ++i) {
+    if ((nearby_[i]->layers() & reach.layers) == 0) continue;
+    nearby_[i]->ForEachBlockAt(box, [&](uint32_t number) {
+      nearby_[i]->Hold(world, number);
+      nearby.blocks.push_back({i, number});
+    });
+  }
+  // The body looks for the walls, so that not each of them has to.
+  box2d::SkipPairsOfNewFixtures(world, moves);
+  box2d::FindPairsAgain(*record.body);
+  ReleaseWallsNear(world, record);
+  record.nearby = std::move(nearby);
+}
+
+void Layers::ReleaseWallsNear(b2World& world, BodyRecord& record) {
+  for (const auto& [layer, number] : record.nearby.blocks) nearby_[layer]->Release(world, number);
+  record.nearby = {};
+}
+
+void Layers::HoldWallsOf(b2World& world, BodyRecord& record, const BodyRecord::Nearby& nearby) {
+  for (const auto& [layer, number] : nearby.blocks) nearby_[layer]->Hold(world, number);
+  record.nearby = nearby;
+}
+
+void Layers::AppendHeldFixtures(std::vector<b2Fixture*>& fixtures) const {
+  for (const auto& each : nearby_) each->AppendFixtures(fixtures);
 }
 
 }  // namespace flatland

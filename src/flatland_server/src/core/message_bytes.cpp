@@ -20,8 +20,9 @@ void MessageBytes::Set(std::size_t at, const Number (&numbers)[kCount]) {
 }
 
 void MessageBytes::SetHeader(std::size_t at, uint32_t sequence, int64_t nanoseconds) {
-  Set<uint32_t, 3>(at, {sequence, static_cast<uint32_t>(nanoseconds / 1000000000),
-                        static_cast<uint32_t>(nanoseconds % 1000000000)});
+  const int64_t stamp = nanoseconds + stamp_offset;
+  Set<uint32_t, 3>(at, {sequence, static_cast<uint32_t>(stamp / 1000000000),
+                        static_cast<uint32_t>(stamp % 1000000000)});
 }
 
 void MessageBytes::SetPose(std::size_t at, const Pose& pose) {

@@ -22,9 +22,11 @@ constexpr size_t kMostAtTop = 4;
 
 Vec2 TwiceCenter(const Segment& segment) { return segment.a + segment.b; }
 
+/// Of the first walls: whether all are equal is compared anyway.
 size_t HashOf(const std::vector<Segment>& segments) {
   const auto* bytes = reinterpret_cast<const char*>(segments.data());
-  return std::hash<std::string_view>()({bytes, segments.size() * sizeof(Segment)});
+  const size_t count = std::min<size_t>(segments.size(), 100);
+  return std::hash<std::string_view>()({bytes, count * sizeof(Segment)});
 }
 
 bool AreEqual(const std::vector<Segment>& a, const std::vector<Segment>& b) {

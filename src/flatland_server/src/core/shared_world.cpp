@@ -1,107 +1,51 @@
-#include "flatland_server/shared_world.hpp"
+#include "shared_world.hpp"
 
 #include <algorithm>
-#include <cstddef>
 #include <cstring>
 #include <functional>
+#include <utility>
 
-#include "box2d_copies.hpp"
 #include "box2d_internals.hpp"
-#include "box2d_limits.hpp"
-#include "prefetch.hpp"
-#include "shared_tree.hpp"
-#include "tree_order.hpp"
-#include "world_state.hpp"
+#include "layers.hpp"
 
 namespace flatland {
 namespace {
 
-/// Up to so many nodes of the tree for each fixture that moves, it takes longer to find those that
-/// have changed than to copy all.
-constexpr size_t kFewNodes = 8;
-
-std::byte* EndOf(void* begin, size_t size) { return static_cast<std::byte*>(begin) + size; }
+std::byte* BytesOf(void* object) { return static_cast<std::byte*>(object); }
 
 }  // namespace
 
-SharedWorld::State::State() = default;
-SharedWorld::State& SharedWorld::State::operator=(const State&) = default;
-SharedWorld::State::~State() = default;
-
 SharedWorld::SharedWorld(std::unique_ptr<World> world, const std::vector<World::Body>& moved)
     : world_(std::move(world)) {
-  b2World& box2d_world = *world_->world_;
   for (const World::Body& body : moved) world_->bodies_.LetMove(body);
-  SkipWalls();
-  std::vector<b2Fixture*> moving;
-  world_->bodies_.ForEach([&](World::Body, const BodyRecord& record) {
-    if (!record.may_move) return;
-    for (const BodyRecord::FixtureRecord& each : record.fixtures) moving.push_back(each.fixture);
-  });
-  beginning_.reset(new State());
-  if (SharedTree::CountNodes(box2d_world) > kFewNodes * moving.size()) {
-    tree_ = std::make_unique<SharedTree>(box2d_world, moving, beginning_->nodes_);
-    tree_->Enter(beginning_->nodes_);
-  }
+  beginning_ = WorldState::Of(*world_);
+  WorldState::Clear(*world_);
   CollectRanges();
-  beginning_->bytes_.resize(size_);
-  Leave(*beginning_);
-}
-
-// Box2D frees contacts with the memory that they are in.
-SharedWorld::~SharedWorld() = default;
-
-/// At first each fixture is to be tested for contacts with the others. Box2D finds a pair when it
-/// tests the later one of two such fixtures. So a wall finds nothing if all fixtures before it are
-/// walls: two walls have no contact.
-void SharedWorld::SkipWalls() {
-  b2World& box2d_world = *world_->world_;
-  b2TreeNode* const nodes = box2d::Nodes(box2d_world);
-  const auto is_wall = [&](int32 proxy) { return box2d::IsWall(nodes[proxy]); };
-  int32* const begin = box2d::Moves(box2d_world);
-  int32* const end = begin + box2d::MoveCount(box2d_world);
-  int32 first_body = INT32_MAX;
-  for (const int32* proxy = begin; proxy != end; ++proxy) {
-    if (*proxy >= 0 && !is_wall(*proxy)) first_body = std::min(first_body, *proxy);
-  }
-  int32* const kept = std::stable_partition(
-      begin, end, [&](int32 proxy) { return proxy < 0 || !is_wall(proxy) || proxy > first_body; });
-  for (const int32* proxy = kept; proxy != end; ++proxy) nodes[*proxy].moved = false;
-  box2d::MoveCount(box2d_world) = static_cast<int32>(kept - begin);
-}
-
-void SharedWorld::AddRange(void* address, size_t size) {
-  if (!ranges_.empty() && EndOf(ranges_.back().address, ranges_.back().size) == address) {
-    ranges_.back().size += size;
-  } else {
-    ranges_.push_back({address, size});
-  }
+  empty_.resize(size_);
+  std::byte* to = empty_.data();
+  for (const Range& range : ranges_) to = std::copy_n(BytesOf(range.address), range.size, to);
 }
 
 void SharedWorld::CollectRanges() {
   b2World& box2d_world = *world_->world_;
   b2ContactManager& contacts = box2d::Contacts(box2d_world);
-  world_->bodies_.ForEach([this](World::Body, BodyRecord& record) {
-    if (record.may_move) AddRange(*record.body);
-  });
-  JoinBodies();
+  // The bodies of walls are before this one in Box2D's list, and so it alone knows of them.
+  const b2BodyDef last;
+  AddRange(*box2d_world.CreateBody(&last));
+  AddRange(box2d::BodyList(box2d_world));
+  AddRange(box2d::BodyCount(box2d_world));
   AddRange(contacts.m_contactList);
   AddRange(contacts.m_contactCount);
   AddRange(box2d::InverseStep(box2d_world));
   AddRange(box2d::NewContacts(box2d_world));
-  AddRange(box2d::Tree(box2d_world));
-  if (!tree_) {
-    AddRange(box2d::Nodes(box2d_world), SharedTree::CountNodes(box2d_world) * sizeof(b2TreeNode));
-  }
   world_->bodies_.ForEach([this](World::Body, BodyRecord& record) {
     if (!record.may_move) {
       AddRange(box2d::ContactList(*record.body));
       return;
     }
+    AddRange(*record.body);
     for (const BodyRecord::FixtureRecord& each : record.fixtures) {
-      b2FixtureProxy* proxies = box2d::FixtureInternals::Proxies(*each.fixture);
-      const int32 count = box2d::FixtureInternals::ProxyCount(*each.fixture);
-      for (int32 i = 0; i < count; ++i) boxes_.push_back(&proxies[i].aabb);
+      AddRange(*box2d::FixtureInternals::Proxies(*each.fixture));
     }
   });
   world_->joints_.ForEach([this](World::Joint, b2Joint* joint) {
@@ -118,23 +62,21 @@ void SharedWorld::CollectRanges() {
       AddRange(part);
     });
   });
-  size_ = boxes_.size() * sizeof(b2AABB);
+  JoinRanges();
   for (const Range& range : ranges_) size_ += range.size;
 }
 
-/// Box2D's bodies are mostly neighbours in memory, with padding between them in which no other
-/// object fits.
-void SharedWorld::JoinBodies() {
+/// Many objects are neighbours in memory, with padding between them in which no other object fits.
+void SharedWorld::JoinRanges() {
   constexpr ptrdiff_t kLeastObject = 16;
-  const auto begin_of = [](const Range& range) { return static_cast<std::byte*>(range.address); };
-  std::sort(ranges_.begin(), ranges_.end(), [&](const Range& a, const Range& b) {
-    return std::less<>()(begin_of(a), begin_of(b));
-  });
+  std::sort(ranges_.begin(), ranges_.end(),
+            [](const Range& a, const Range& b) { return std::less<>()(a.address, b.address); });
   std::vector<Range> joined;
   for (const Range& range : ranges_) {
-    const ptrdiff_t gap = joined.empty()
-                              ? kLeastObject
-                              : begin_of(range) - EndOf(joined.back().address, joined.back().size);
+    std::byte* const begin = BytesOf(range.address);
+    const ptrdiff_t gap = joined.empty() ? kLeastObject
+                                         : begin - BytesOf(joined.back().address) -
+                                               static_cast<ptrdiff_t>(joined.back().size);
     if (gap < kLeastObject) {
       joined.back().size += gap + range.size;
     } else {
@@ -144,107 +86,62 @@ void SharedWorld::JoinBodies() {
   ranges_ = std::move(joined);
 }
 
-std::unique_ptr<SharedWorld::State> SharedWorld::MakeState() {
-  std::unique_ptr<State> state(new State());
-  Copy(*beginning_, *state);
+std::unique_ptr<SharedState> SharedWorld::MakeState() {
+  auto state = std::make_unique<SharedState>();
+  state->bytes_ = empty_;
+  state->held_.resize(world_->layers_->nearby().size());
+  state->nearby_.resize(world_->bodies_.Moving().size());
+  beginning_.Restore(Entered(*this, *state).world());
   return state;
 }
 
-void SharedWorld::Prefetch(const State& state) {
-  PrefetchElements(state.bytes_);
-  PrefetchElements(state.nodes_);
+void SharedWorld::Prefetch(SharedState& state, int distance) {
+  if (distance == 3) return PrefetchObject(state);
+  if (distance == 2) {
+    PrefetchElements(state.bytes_);
+    PrefetchElements(state.nearby_);
+    return PrefetchElements(state.held_);
+  }
+  b2DynamicTree& tree = box2d::Tree(state.broad_phase_);
+  PrefetchBytes(box2d::Nodes(tree), box2d::NodeCapacity(tree) * sizeof(b2TreeNode));
+  for (const NearbyWalls::Held& held : state.held_) {
+    for (const NearbyWalls::Block& block : held) PrefetchObject(*block.body);
+  }
 }
 
-void SharedWorld::PrefetchUsed(const State& state) const {
-  if (tree_) tree_->Prefetch(state.nodes_);
+void SharedWorld::ExchangeOwn(SharedState& state) {
+  std::byte* const present = BytesOf(&box2d::Contacts(*world_->world_).m_broadPhase);
+  std::swap_ranges(present, present + sizeof(b2BroadPhase), BytesOf(&state.broad_phase_));
+  auto held = state.held_.begin();
+  for (const auto& each : world_->layers_->nearby()) each->Exchange(*held++);
+  auto nearby = state.nearby_.begin();
+  for (BodyRecord* const record : world_->bodies_.Moving()) std::swap(record->nearby, *nearby++);
 }
 
-void SharedWorld::WriteRanges(const State& state) {
+void SharedWorld::Enter(SharedState& state) {
+  ExchangeOwn(state);
   const std::byte* from = state.bytes_.data();
   for (const Range& range : ranges_) {
     std::memcpy(range.address, from, range.size);
     from += range.size;
   }
-  for (b2AABB* const box : boxes_) {
-    std::memcpy(box, from, sizeof *box);
-    from += sizeof *box;
-  }
-}
-
-World& SharedWorld::Enter(const State& state) {
-  b2World& box2d_world = *world_->world_;
-  WriteRanges(state);
-  if (tree_) tree_->Enter(state.nodes_);
-  std::copy(state.moves_.begin(), state.moves_.end(), box2d::Moves(box2d_world));
-  box2d::MoveCount(box2d_world) = static_cast<int32>(state.moves_.size());
   world_->bodies_.ChangePoses();
-  return *world_;
 }
 
-void SharedWorld::ReadRanges(State& state) const {
+void SharedWorld::Leave(SharedState& state) {
   std::byte* to = state.bytes_.data();
   for (const Range& range : ranges_) {
     std::memcpy(to, range.address, range.size);
     to += range.size;
   }
-  for (const b2AABB* const box : boxes_) {
-    std::memcpy(to, box, sizeof *box);
-    to += sizeof *box;
-  }
+  ExchangeOwn(state);
 }
 
-void SharedWorld::Leave(State& state) {
-  b2World& box2d_world = *world_->world_;
-  ReadRanges(state);
-  const int32* moves = box2d::Moves(box2d_world);
-  state.moves_.assign(moves, moves + box2d::MoveCount(box2d_world));
-  if (tree_) tree_->Leave(state.nodes_);
-}
-
-void SharedWorld::Replace(const State& from, State& state) {
-  b2ContactManager& contacts = box2d::Contacts(*world_->world_);
-  WriteRanges(state);
-  while (contacts.m_contactList != nullptr) contacts.Destroy(contacts.m_contactList);
-  Copy(from, state);
-}
-
-void SharedWorld::Copy(const State& from, State& to) {
-  to = from;
-  WriteRanges(from);
-  b2World& box2d_world = *world_->world_;
-  b2ContactManager& manager = box2d::Contacts(box2d_world);
-  if (manager.m_contactCount == 0) return;
-  std::vector<b2Contact*> contacts;
-  for (b2Contact* c = manager.m_contactList; c != nullptr; c = c->GetNext()) contacts.push_back(c);
-  manager.m_contactList = nullptr;
-  manager.m_contactCount = 0;
-  world_->bodies_.ForEach(
-      [](auto, BodyRecord& record) { box2d::ContactList(*record.body) = nullptr; });
-  for (auto each = contacts.rbegin(); each != contacts.rend(); ++each) {
-    box2d::CopyContact(box2d_world, **each);
-  }
-  // A new contact wakes its bodies, so all but the lists of contacts is that of before.
-  b2Contact* const first = manager.m_contactList;
-  std::vector<b2ContactEdge*> edges;
-  world_->bodies_.ForEach(
-      [&](auto, BodyRecord& record) { edges.push_back(box2d::ContactList(*record.body)); });
-  WriteRanges(from);
-  manager.m_contactList = first;
-  auto edge = edges.begin();
-  world_->bodies_.ForEach(
-      [&](auto, BodyRecord& record) { box2d::ContactList(*record.body) = *edge++; });
-  ReadRanges(to);
-}
-
-void SharedWorld::Load(const WorldState& saved, State& state) {
-  saved.Restore(Enter(state));
-  Leave(state);
-}
-
-void SharedWorld::RequireLoadable(const WorldState& saved) const {
-  saved.RequireSameStill(*world_);
-  Require(saved.tree.size() <= SharedTree::CountNodes(*world_->world_),
-          "the state is of another world: models were deleted and others added");
+WorldState SharedWorld::Read(std::string_view bytes, SharedState& state) {
+  const Entered entered(*this, state);
+  WorldState read = WorldState::Read(bytes, entered.world());
+  read.RequireSameStill(entered.world());
+  return read;
 }
 
 }  // namespace flatland

@@ -3,6 +3,7 @@
 
 #include "flatland_server/world.hpp"
 
+#include "box2d_internals.hpp"
 #include "box2d_limits.hpp"
 #include "layers.hpp"
 #include "to_box2d.hpp"
@@ -18,11 +19,11 @@ void Unwind(b2Body& body) {
 
 }  // namespace
 
-World::World(int velocity_iterations, int position_iterations, std::size_t large_layer)
+World::World(int velocity_iterations, int position_iterations, float room)
     : world_(std::make_unique<b2World>(b2Vec2_zero)),
       velocity_iterations_(velocity_iterations),
       position_iterations_(position_iterations),
-      layers_(std::make_unique<Layers>(bodies_, large_layer)),
+      layers_(std::make_unique<Layers>(bodies_, room)),
       lidars_(*this, bodies_, *layers_),
       contacts_(*this, bodies_, world_) {
   Require(velocity_iterations >= 1 && position_iterations >= 1,
@@ -44,8 +45,13 @@ void World::Step(double dt, const AccessGuard&) {
   // First, since a drive may be on a body that people see.
   crowds_.ForEach([&](auto, Crowd& crowd) { crowd.BeginStep(bodies_, *layers_, dt); });
   for_each([dt](auto& mechanism, b2Body& body) { mechanism.BeginStep(body, dt); });
-  layers_->HoldWallsNearBodies(*world_);
-  world_->Step(static_cast<float>(dt), velocity_iterations_, position_iterations_);
+  const auto step = static_cast<float>(dt);
+  layers_->HoldWallsNearBodies(*world_, step);
+  world_->Step(step, velocity_iterations_, position_iterations_);
+  while (layers_->HoldWallsOnTheWay(*world_)) {
+    box2d::StepComplete(*world_) = false;
+    world_->Step(step, velocity_iterations_, position_iterations_);
+  }
   for_each([](auto& mechanism, b2Body& body) { mechanism.EndStep(body); });
   for (const BodyRecord* record : bodies_.Moving())
     Unwind(*record->body);  // what stays is not wound

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
+#include <map>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "box2d_limits.hpp"
 #include "prefetch.hpp"
+#include "shared_world.hpp"
 #include "world_state.hpp"
 
 namespace flatland {
@@ -45,30 +47,28 @@ WorldBatch::WorldBatch(const World& world, const std::vector<BatchRobot>& robots
     Require(robot.action_size == action_size(), "robots need equally many numbers in an action");
     moved_.insert(moved_.end(), robot.bodies.begin(), robot.bodies.end());
   }
-  for (const BatchModel& model : models) Require(!model.bodies.empty(), "a model needs a body");
   for (const BatchModel& model : models) {
+    Require(!model.bodies.empty(), "a model needs a body");
     moved_.insert(moved_.end(), model.bodies.begin(), model.bodies.end());
-  }
-  for (int i = 0; i < team_.size(); ++i) {
-    worlds_.push_back(std::make_unique<SharedWorld>(world.Copy(), moved_));
   }
   environments_.resize(count);
   collided_.resize(static_cast<size_t>(row_count()));
   seen_.resize(collided_.size());
   for (int i = 0; i < team_.size(); ++i) {
+    const auto shared = std::make_shared<SharedWorld>(world.Copy(), moved_);
     for (int row = team_.Begin(i, count); row < team_.Begin(i + 1, count); ++row) {
-      environments_[row].state = worlds_[i]->MakeState();
-      environments_[row].steps = steps;
+      environments_[row] = {shared, shared->MakeState(), steps};
     }
   }
-  World& first = worlds_[0]->Enter(*environments_[0].state);
-  beams_ = first.lidars().GetBeamCount(robots[0].lidar);
-  for (const World::Body& body : moved_) first.GetPose(body);
+  Environment& first = environments_[0];
+  const SharedWorld::Entered entered(*first.world, *first.state);
+  World& of_first = entered.world();
+  beams_ = of_first.lidars().GetBeamCount(robots[0].lidar);
   for (const BatchRobot& robot : robots) {
-    std::visit([&](auto drive) { first.Get(drive); }, robot.drive);
-    Require(first.lidars().GetBeamCount(robot.lidar) == beams_, "robots need equally many beams");
+    std::visit([&](auto drive) { of_first.Get(drive); }, robot.drive);
+    Require(of_first.lidars().GetBeamCount(robot.lidar) == beams_,
+            "robots need equally many beams");
   }
-  worlds_[0]->Leave(*environments_[0].state);
 }
 
 WorldBatch::~WorldBatch() = default;
@@ -77,9 +77,6 @@ template <class Visit>
 void WorldBatch::ForEach(const bool* mask, int width, Visit visit) {
   team_.Run([&](int i) noexcept {
     const int end = team_.Begin(i + 1, count());
-    const auto world_of = [this, i](int row) -> SharedWorld& {
-      return environments_[row].own ? *environments_[row].own : *worlds_[i];
-    };
     const auto first_from = [mask, width, end](int row) {
       while (row < end && !IsChosen(mask, width, row)) ++row;
       return row;
@@ -90,20 +87,19 @@ void WorldBatch::ForEach(const bool* mask, int width, Visit visit) {
     for (int& each : rows) row = (each = first_from(row)) + 1;
     while (rows[0] < end) {
       for (int k = 1; k < 4; ++k) {
-        if (rows[k] < end) Prefetch(world_of(rows[k]), rows[k], k);
+        if (rows[k] < end) Prefetch(rows[k], k);
       }
-      visit(world_of(rows[0]), environments_[rows[0]], rows[0]);
+      Environment& environment = environments_[rows[0]];
+      visit(SharedWorld::Entered(*environment.world, *environment.state).world(), environment,
+            rows[0]);
       std::move(rows.begin() + 1, rows.end(), rows.begin());
       rows.back() = first_from(rows.back() + 1);
     }
   });
 }
 
-void WorldBatch::Prefetch(const SharedWorld& shared, int row, int distance) const {
-  const SharedWorld::State& state = *environments_[row].state;
-  if (distance == 3) return SharedWorld::PrefetchPlaces(state);
-  if (distance == 2) SharedWorld::Prefetch(state);
-  if (distance == 1) shared.PrefetchUsed(state);
+void WorldBatch::Prefetch(int row, int distance) const {
+  SharedWorld::Prefetch(*environments_[row].state, distance);
   for (int i = 0; i < robot_count(); ++i) {
     if (distance == 2) PrefetchObject(seen_[int64_t{row} * robot_count() + i]);
   }
@@ -131,8 +127,7 @@ void WorldBatch::Advance(const bool* mask, const double* actions, int substeps, 
   Require(IsUsable(dt) && dt >= kMinStep, "a step must be finite and longer than zero");
   RequireActions(actions, mask);
   const int robots = robot_count();
-  ForEach(mask, robots, [&](SharedWorld& shared, Environment& environment, int row) {
-    World& world = shared.Enter(*environment.state);
+  ForEach(mask, robots, [&](World& world, Environment& environment, int row) {
     const int64_t first = int64_t{row} * robots;
     for (int i = 0; i < robots; ++i) {
       const bool is_driven = mask == nullptr || mask[first + i];
@@ -148,7 +143,6 @@ void WorldBatch::Advance(const bool* mask, const double* actions, int substeps, 
     }
     environment.steps += substeps;
     if (rows != nullptr) Write(world, row, mask, *rows);
-    shared.Leave(*environment.state);
   });
 }
 
@@ -165,9 +159,8 @@ void WorldBatch::Reset(const bool* mask, const double* poses, const BatchRows& r
       RequirePose(model_poses + numbers * row + i);
     }
   }
-  ForEach(mask, 1, [&](SharedWorld& shared, Environment& environment, int row) {
-    shared.Restart(*environment.state);
-    World& world = shared.Enter(*environment.state);
+  ForEach(mask, 1, [&](World& world, Environment& environment, int row) {
+    environment.world->beginning().Restore(world);
     const int64_t first = int64_t{row} * robots;
     for (int i = 0; poses != nullptr && i < robots; ++i) {
       Move(world, robots_[i].bodies, robots_[i].base, poses + 3 * (first + i));
@@ -178,7 +171,6 @@ void WorldBatch::Reset(const bool* mask, const double* poses, const BatchRows& r
     environment.steps = first_step_;
     std::fill_n(collided_.begin() + first, robots, false);
     Write(world, row, nullptr, rows);
-    shared.Leave(*environment.state);
   });
 }
 
@@ -187,110 +179,74 @@ void WorldBatch::MoveRobots(const bool* mask, const double* poses) {
     if (mask == nullptr || mask[row]) RequirePose(poses + 3 * int64_t{row});
   }
   const int robots = robot_count();
-  ForEach(mask, robots, [&](SharedWorld& shared, Environment& environment, int row) {
-    World& world = shared.Enter(*environment.state);
+  ForEach(mask, robots, [&](World& world, Environment&, int row) {
     for (int i = 0; i < robots; ++i) {
       const int64_t at = int64_t{row} * robots + i;
       if (mask != nullptr && !mask[at]) continue;
       Move(world, robots_[i].bodies, robots_[i].base, poses + 3 * at);
     }
-    shared.Leave(*environment.state);
   });
-}
-
-SharedWorld& WorldBatch::SharedOf(int row) {
-  if (environments_[row].own) return *environments_[row].own;
-  int thread = 0;
-  while (row >= team_.Begin(thread + 1, count())) ++thread;
-  return *worlds_[thread];
 }
 
 std::string WorldBatch::SaveState(int row) {
   Require(row >= 0 && row < count(), "there is no such environment");
-  SharedWorld::State& state = *environments_[row].state;
-  SharedWorld& shared = SharedOf(row);
-  std::string bytes = shared.Enter(state).SaveState();
-  shared.Leave(state);
-  return bytes;
-}
-
-WorldState WorldBatch::ReadState(std::string_view bytes, int row) {
-  SharedWorld::State& present = *environments_[row].state;
-  SharedWorld& shared = SharedOf(row);
-  const World& world = shared.Enter(present);
-  try {
-    WorldState state = WorldState::Read(bytes, world);
-    shared.RequireLoadable(state);
-    shared.Leave(present);
-    return state;
-  } catch (...) {
-    shared.Leave(present);
-    throw;
-  }
+  const auto& [shared, state, steps] = environments_[row];
+  return SharedWorld::Entered(*shared, *state).world().SaveState();
 }
 
 void WorldBatch::LoadStates(const bool* mask, const std::vector<std::string_view>& states,
                             const int64_t* chosen, const int64_t* steps, const BatchRows& rows) {
-  // All that may fail comes first.
-  std::vector<std::optional<WorldState>> read(states.size()), of_own(count());
-  for (int row = 0; row < count(); ++row) {
+  /// A state as environments of a world read it, and the first of them.
+  struct Read {
+    WorldState state;
+    int first;
+  };
+  std::map<std::pair<const SharedWorld*, int64_t>, Read> read;
+  std::vector<const Read*> of(count());
+  for (int row = 0; row < count(); ++row) {  // all that may fail comes first
     if (mask != nullptr && !mask[row]) continue;
     const int64_t index = chosen[row];
     Require(index >= 0 && index < static_cast<int64_t>(states.size()), "there is no such state");
-    std::optional<WorldState>& state = environments_[row].own ? of_own[row] : read[index];
-    if (!state) state = ReadState(states[index], row);
+    const auto& [shared, state, _] = environments_[row];
+    const std::pair key(shared.get(), index);
+    auto found = read.find(key);
+    if (found == read.end()) {
+      found = read.insert({key, {shared->Read(states[index], *state), row}}).first;
+    }
+    of[row] = &found->second;
   }
-  // The first row of each thread that is put into a state; others become copies of that.
-  std::vector<std::vector<int>> first(worlds_.size(), std::vector<int>(states.size(), -1));
-  ForEach(mask, 1, [&](SharedWorld& shared, Environment& environment, int row) {
-    const int64_t index = chosen[row];
+  ForEach(mask, 1, [&](World& world, Environment& environment, int row) {
+    of[row]->state.Restore(world);
     environment.steps = steps[row];
     std::fill_n(collided_.begin() + int64_t{row} * robot_count(), robot_count(), false);
-    const auto world = std::find_if(worlds_.begin(), worlds_.end(),
-                                    [&](const auto& each) { return each.get() == &shared; });
-    int* const model = world == worlds_.end() ? nullptr : &first[world - worlds_.begin()][index];
-    if (model != nullptr && *model >= 0) {
-      shared.Replace(*environments_[*model].state, *environment.state);
-      CopyRows(rows, *model, row);
-      return;
-    }
-    shared.Load(environment.own ? *of_own[row] : *read[index], *environment.state);
-    Write(shared.Enter(*environment.state), row, nullptr, rows);
-    shared.Leave(*environment.state);
-    if (model != nullptr) *model = row;
+    if (of[row]->first == row) Write(world, row, nullptr, rows);
   });
+  for (int row = 0; row < count(); ++row) {
+    if (of[row] != nullptr && of[row]->first != row) CopyRows(rows, of[row]->first, row);
+  }
 }
 
 void WorldBatch::Observe(const BatchRows& rows) {
-  ForEach(nullptr, 1, [&](SharedWorld& shared, Environment& environment, int row) {
-    Write(shared.Enter(*environment.state), row, nullptr, rows);
-    shared.Leave(*environment.state);
-  });
+  ForEach(nullptr, 1,
+          [&](World& world, Environment&, int row) { Write(world, row, nullptr, rows); });
 }
 
 void WorldBatch::Replace(int row, const World& world) {
   Require(row >= 0 && row < count(), "there is no such environment");
-  auto own = std::make_unique<SharedWorld>(world.Copy(), moved_);
-  Environment& environment = environments_[row];
-  environment.state = own->MakeState();  // the former one is destroyed before its world
-  environment.own = std::move(own);
-  environment.steps = 0;
+  const auto own = std::make_shared<SharedWorld>(world.Copy(), moved_);
+  environments_[row] = {own, own->MakeState(), 0};
   const int64_t first = int64_t{row} * robot_count();
   std::fill_n(collided_.begin() + first, robot_count(), false);
 }
 
 void WorldBatch::SeedCrowd(const bool* mask, World::CrowdHandle crowd, const uint64_t* keys) {
-  ForEach(mask, 1, [&](SharedWorld& shared, Environment& environment, int row) {
-    shared.Enter(*environment.state).Get(crowd).Seed(keys[row]);
-    shared.Leave(*environment.state);
-  });
+  ForEach(mask, 1, [&](World& world, Environment&, int row) { world.Get(crowd).Seed(keys[row]); });
 }
 
 void WorldBatch::GetMotions(const bool* mask, const std::vector<World::Body>& bodies, double* poses,
                             double* velocities) {
   const auto width = static_cast<int64_t>(3 * bodies.size());
-  ForEach(mask, 1, [&](SharedWorld& shared, Environment& environment, int row) {
-    const World& world = shared.Enter(*environment.state);
+  ForEach(mask, 1, [&](World& world, Environment&, int row) {
     int64_t at = width * row;
     for (const World::Body& body : bodies) {
       const Pose pose = Wrapped(world.GetPose(body));
@@ -299,7 +255,6 @@ void WorldBatch::GetMotions(const bool* mask, const std::vector<World::Body>& bo
       Put(velocities + at, velocity.vx, velocity.vy, velocity.omega);
       at += 3;
     }
-    shared.Leave(*environment.state);
   });
 }
 
@@ -312,14 +267,12 @@ void WorldBatch::SetVelocities(const bool* mask, const std::vector<World::Body>&
       Require(IsUsable(velocities[i]), "a velocity must be finite");
     }
   }
-  ForEach(mask, 1, [&](SharedWorld& shared, Environment& environment, int row) {
-    World& world = shared.Enter(*environment.state);
+  ForEach(mask, 1, [&](World& world, Environment&, int row) {
     const double* velocity = velocities + width * row;
     for (const World::Body& body : bodies) {
       world.SetVelocity(body, {velocity[0], velocity[1], velocity[2]});
       velocity += 3;
     }
-    shared.Leave(*environment.state);
   });
 }
 

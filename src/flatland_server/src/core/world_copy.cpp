@@ -1,10 +1,7 @@
 /// World: copies.
 
-#include <optional>
-
 #include "box2d_copies.hpp"
 #include "box2d_internals.hpp"
-#include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
 #include "layers.hpp"
 #include "world_state.hpp"
@@ -12,7 +9,7 @@
 namespace flatland {
 namespace {
 
-/// Makes a fixture as World::AddFixture and World::AddLayer do; the body gets its mass later.
+/// Makes a fixture as World::AddFixture does; the body gets its mass later.
 b2Fixture* CopyFixture(b2Body& body, b2Fixture& old) {
   b2FixtureDef definition = box2d::DefinitionOf(old);
   const float density = definition.density;
@@ -26,10 +23,11 @@ b2Fixture* CopyFixture(b2Body& body, b2Fixture& old) {
 
 std::unique_ptr<World> World::Copy() const {
   const AccessGuard guard(*this);
-  const bool has_large_layers = !layers_->large_layers().empty();
-  Require(!has_large_layers || box2d::InverseStep(*world_) == 0.0f,
-          "a world with a layer of more than 500,000 walls is copied before its first step alone");
-  auto copy = std::make_unique<World>(velocity_iterations_, position_iterations_);
+  return Copy(WorldState::Of(*this));
+}
+
+std::unique_ptr<World> World::Copy(const WorldState& state) const {
+  auto copy = std::make_unique<World>(velocity_iterations_, position_iterations_, layers_->room());
   copy->bodies_ = bodies_;
   copy->bodies_.ChangeStructure();  // what is cached is of this world
   copy->layers_->CopyFrom(*layers_);
@@ -38,7 +36,6 @@ std::unique_ptr<World> World::Copy() const {
   copy->crowds_ = crowds_;
   copy->mechanisms_ = mechanisms_;
   copy->mechanisms_.drifts = MountedMap<BodyDrift>("drift");  // no copy's odometry is read
-  // In the order in which they were added, which determines the tree of bounding boxes.
   copy->bodies_.ForEach([&](Body, BodyRecord& record) {
     b2MassData mass;
     record.body->GetMassData(&mass);
@@ -47,17 +44,6 @@ std::unique_ptr<World> World::Copy() const {
     record.contact_events = kNoContactEvents;
     record.is_recorded = false;
     record.nearby = {};
-    if (const NearbyWalls* large = layers_->LargeLayerOf(record)) {
-      record.large_layer = -1;
-      for (uint32_t i = 0; i < large->size(); ++i) {
-        record.fixtures.push_back({AddWall(*record.body, large->walls().segments()[i], i,
-                                           large->layers(), large->GetMaterial(i)),
-                                   false, 0.0});
-      }
-      return;
-    }
-    std::optional<box2d::OutsideTree> outside;
-    if (!has_large_layers) outside.emplace(*record.body);  // the state below brings the tree
     for (BodyRecord::FixtureRecord& each : record.fixtures) {
       each.fixture = CopyFixture(*record.body, *each.fixture);
     }
@@ -73,7 +59,7 @@ std::unique_ptr<World> World::Copy() const {
         box2d::CopyJoint(*copy->world_, *old, copy_of(old->GetBodyA()), copy_of(old->GetBodyB()));
     copy->mechanisms_.ReplaceJoint(old, joint);
   });
-  if (!has_large_layers) WorldState::Of(*this).Restore(*copy);
+  state.Restore(*copy);
   return copy;
 }
 

@@ -81,7 +81,7 @@ b2Fixture* MakeFixture(b2Body& body, uint32_t index, const b2Shape& shape,
   return fixture;
 }
 
-/// True if a fixture of a dynamic body overlaps a wall of a large layer that it collides with.
+/// True if a fixture of a dynamic body overlaps a wall of a layer that it collides with.
 bool OverlapsWall(const BodyRecord& record, const NearbyWalls& layer) {
   if (record.body->GetType() != b2_dynamicBody) return false;
   return std::any_of(record.fixtures.begin(), record.fixtures.end(), [&](const auto& each) {
@@ -215,11 +215,11 @@ b2Fixture& World::Find(Fixture fixture) const {
   return *fixtures[fixture.index].fixture;
 }
 
-NearbyWalls* World::FindLargeLayer(Fixture fixture) const {
+NearbyWalls* World::FindLayer(Fixture fixture) const {
   RequireAccess();
-  NearbyWalls* const large = layers_->LargeLayerOf(bodies_.Get(fixture.body));
-  Require(large == nullptr || fixture.index < large->size(), "the body has no such fixture");
-  return large;
+  NearbyWalls* const layer = layers_->NearbyOf(bodies_.Get(fixture.body));
+  Require(layer == nullptr || fixture.index < layer->size(), "the body has no such fixture");
+  return layer;
 }
 
 int World::GetFixtureCount(Body body) const {
@@ -229,13 +229,13 @@ int World::GetFixtureCount(Body body) const {
 
 FixtureSettings World::GetSettings(Fixture fixture) const {
   FixtureSettings settings;
-  if (const NearbyWalls* large = FindLargeLayer(fixture)) {
-    const Material& material = large->GetMaterial(fixture.index);
+  if (const NearbyWalls* layer = FindLayer(fixture)) {
+    const Material& material = layer->GetMaterial(fixture.index);
     settings.friction = material.friction;
     settings.restitution = material.restitution;
-    settings.collides = large->layers() != 0;
+    settings.collides = layer->layers() != 0;
     settings.visible = false;
-    settings.layers = large->layers();
+    settings.layers = layer->layers();
     return settings;
   }
   const b2Fixture& found = Find(fixture);
@@ -251,26 +251,22 @@ FixtureSettings World::GetSettings(Fixture fixture) const {
 
 void World::SetFriction(Fixture fixture, double friction) {
   RequireNotNegative(friction, "friction must be finite and not negative");
-  if (NearbyWalls* large = FindLargeLayer(fixture)) {
-    const float restitution = large->GetMaterial(fixture.index).restitution;
-    large->SetMaterial(fixture.index, {static_cast<float>(friction), restitution});
+  if (NearbyWalls* layer = FindLayer(fixture)) {
+    const float restitution = layer->GetMaterial(fixture.index).restitution;
+    layer->SetMaterial(fixture.index, {static_cast<float>(friction), restitution});
     return;
   }
-  b2Fixture& found = Find(fixture);
-  bodies_.Get(fixture.body).has_changed_material = true;
-  found.SetFriction(static_cast<float>(friction));
+  Find(fixture).SetFriction(static_cast<float>(friction));
 }
 
 void World::SetRestitution(Fixture fixture, double restitution) {
   RequireNotNegative(restitution, "restitution must be finite and not negative");
-  if (NearbyWalls* large = FindLargeLayer(fixture)) {
-    const float friction = large->GetMaterial(fixture.index).friction;
-    large->SetMaterial(fixture.index, {friction, static_cast<float>(restitution)});
+  if (NearbyWalls* layer = FindLayer(fixture)) {
+    const float friction = layer->GetMaterial(fixture.index).friction;
+    layer->SetMaterial(fixture.index, {friction, static_cast<float>(restitution)});
     return;
   }
-  b2Fixture& found = Find(fixture);
-  bodies_.Get(fixture.body).has_changed_material = true;
-  found.SetRestitution(static_cast<float>(restitution));
+  Find(fixture).SetRestitution(static_cast<float>(restitution));
 }
 
 void World::SetVisible(Fixture handle, bool visible) {
@@ -297,7 +293,7 @@ void World::SetSeenRadius(Fixture handle, double radius) {
 
 bool World::TestPoint(Fixture fixture, Vec2 point) const {
   RequirePosition(point);
-  return FindLargeLayer(fixture) == nullptr && Find(fixture).TestPoint(ToBox2D(point));
+  return FindLayer(fixture) == nullptr && Find(fixture).TestPoint(ToBox2D(point));
 }
 
 std::vector<World::Body> World::GetOverlappingBodies(Body handle) const {
@@ -308,8 +304,8 @@ std::vector<World::Body> World::GetOverlappingBodies(Body handle) const {
     bool ReportFixture(b2Fixture* other) override {
       b2Body* const owner = other->GetBody();
       const bool is_found = std::find(found.begin(), found.end(), owner) != found.end();
-      const bool is_wall_of_large_layer = bodies->RecordOf(*owner).body != owner;
-      if (!is_found && !is_wall_of_large_layer && owner != own->GetBody() && PushesOut(*other)) {
+      const bool is_wall = bodies->RecordOf(*owner).is_layer;
+      if (!is_found && !is_wall && owner != own->GetBody() && PushesOut(*other)) {
         found.push_back(owner);
       }
       return true;
@@ -330,14 +326,14 @@ std::vector<World::Body> World::GetOverlappingBodies(Body handle) const {
     collector.own = f;
     world_->QueryAABB(&collector, f->GetAABB(0));
   }
-  if (const NearbyWalls* large = layers_->LargeLayerOf(record)) {
+  if (const NearbyWalls* layer = layers_->NearbyOf(record)) {
     bodies_.ForEach([&](Body, const BodyRecord& other) {
-      if (OverlapsWall(other, *large)) collector.found.push_back(other.body);
+      if (OverlapsWall(other, *layer)) collector.found.push_back(other.body);
     });
   }
-  for (const auto& large : layers_->large_layers()) {
-    if (OverlapsWall(record, *large)) {
-      collector.found.push_back(bodies_.Get(bodies_.HandleAt(large->owner())).body);
+  for (const auto& layer : layers_->nearby()) {
+    if (OverlapsWall(record, *layer)) {
+      collector.found.push_back(bodies_.Get(bodies_.HandleAt(layer->owner())).body);
     }
   }
   std::vector<Body> bodies;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstring>
 #include <set>
+#include <utility>
 
 #include "archive.hpp"
 #include "box2d_copies.hpp"
@@ -28,10 +29,14 @@ Material MaterialOf(const b2Fixture& fixture) {
   return {fixture.GetFriction(), fixture.GetRestitution()};
 }
 
-BodyState StateOf(const BodyRecord& record) {
+BodyState StateOf(const BodyRecord& record, const Layers& layers) {
+  BodyState state;
+  if (record.is_layer) {
+    state.materials = layers.NearbyOf(record)->GetMaterials();
+    return state;
+  }
   b2Body& body = *record.body;
   const std::vector<BodyRecord::FixtureRecord>& fixtures = record.fixtures;
-  BodyState state;
   state.position = body.GetPosition();
   state.sweep = box2d::Sweep(body);
   state.velocity = body.GetLinearVelocity();
@@ -47,7 +52,6 @@ BodyState StateOf(const BodyRecord& record) {
     all_equal = all_equal && state.materials.back() == state.materials.front();
   }
   if (all_equal && !fixtures.empty()) state.materials.resize(1);
-  if (record.is_layer) return state;
   for (b2Fixture* each = body.GetFixtureList(); each != nullptr; each = each->GetNext()) {
     state.order.push_back(static_cast<uint32_t>(each->GetUserData().pointer));
     state.boxes.push_back(each->GetAABB(0));
@@ -104,21 +108,6 @@ std::vector<b2Fixture*> FixturesOf(const Bodies& bodies, const Layers& layers) {
   return fixtures;
 }
 
-/// The boxes around the walls of those layers that were added before all bodies.
-WallTree::Boxes WallBoxesOf(const Bodies& bodies) {
-  WallTree::Boxes boxes;
-  bool has_layers_alone = true;
-  bodies.ForEach([&](auto, const BodyRecord& record) {
-    has_layers_alone = has_layers_alone && record.is_layer;
-    if (!has_layers_alone) return;
-    boxes.emplace_back();
-    for (const BodyRecord::FixtureRecord& each : record.fixtures) {
-      boxes.back().push_back(each.fixture->GetAABB(0));
-    }
-  });
-  return boxes;
-}
-
 // ---- Putting Box2D's objects into a state ----
 
 void SetOrder(b2Body& body, const BodyRecord& record, const std::vector<uint32_t>& order) {
@@ -138,7 +127,6 @@ void RestoreFixtures(BodyRecord& record, const BodyState& state) {
     record.fixtures[i].fixture->SetFriction(material.friction);
     record.fixtures[i].fixture->SetRestitution(material.restitution);
   }
-  if (record.is_layer) return;
   SetOrder(*record.body, record, state.order);
   for (size_t i = 0; i < state.order.size(); ++i) {
     b2Fixture& fixture = *record.fixtures[state.order[i]].fixture;
@@ -177,16 +165,12 @@ void RestoreMotion(b2Body& body, const BodyState& state) {
   box2d::SleepTime(body) = state.sleep_time;
 }
 
-bool StandsAt(b2Body& body, const BodyState& state) {
-  return body.GetPosition() == state.position && body.GetAngle() == state.sweep.a;
-}
-
 template <class Map>
 void Take(Map& map, const Map& values) {
   map.ForEach([&](auto handle, auto& each) { each.mechanism = values.Get(handle).mechanism; });
 }
 
-/// Without replacing the objects, whose addresses a SharedWorld keeps, or the joints they are on.
+/// Without replacing the joints that they are on.
 void RestoreMechanisms(Mechanisms& mechanisms, const Mechanisms& state) {
   Take(mechanisms.drives, state.drives);
   Take(mechanisms.tweens, state.tweens);
@@ -248,27 +232,20 @@ void SerializeOrder(Archive& archive, std::vector<uint32_t>& order, size_t count
   }
 }
 
-/// Writes or reads the walls of large layers that Box2D has for a body, and adds them to `held`.
+/// Writes or reads the walls that Box2D has for a body.
 template <class Archive>
 void SerializeNearby(Archive& archive, BodyRecord::Nearby& nearby,
-                     const std::vector<std::unique_ptr<NearbyWalls>>& large,
-                     std::vector<std::set<uint32_t>>& held) {
-  archive(nearby.is_current, nearby.center);
-  bool has_blocks = !nearby.blocks.empty();
-  archive(has_blocks);
-  nearby.blocks.resize(has_blocks ? large.size() : 0);
-  for (size_t i = 0; i < nearby.blocks.size(); ++i) {
-    auto count = static_cast<uint32_t>(nearby.blocks[i].size());
-    archive(count);
-    if constexpr (Archive::kIsReader) {
-      if (count > archive.remaining() / sizeof(uint32_t)) Archive::Fail();
-      nearby.blocks[i].assign(count, 0);
-    }
-    for (uint32_t& block : nearby.blocks[i]) {
-      archive(block);
-      if (!large[i]->IsBlock(block)) Reader::Fail();
-      held[i].insert(block);
-    }
+                     const std::vector<std::unique_ptr<NearbyWalls>>& layers) {
+  archive(nearby.is_current, nearby.center, nearby.room);
+  auto count = static_cast<uint32_t>(nearby.blocks.size());
+  archive(count);
+  if constexpr (Archive::kIsReader) {
+    if (count > archive.remaining() / sizeof(uint32_t)) Archive::Fail();
+    nearby.blocks.assign(count, {});
+  }
+  for (auto& [layer, number] : nearby.blocks) {
+    archive(layer, number);
+    if (layer >= layers.size() || !layers[layer]->IsBlock(number)) Reader::Fail();
   }
 }
 
@@ -281,10 +258,7 @@ WorldState WorldState::Of(const World& world) {
   std::vector<uint32_t> order(world.bodies_.slot_count());  // by the index of a handle
   world.bodies_.ForEach([&](World::Body handle, const BodyRecord& record) {
     order[handle.index] = static_cast<uint32_t>(state.bodies.size());
-    state.bodies.push_back(StateOf(record));
-    if (const NearbyWalls* large = world.layers_->LargeLayerOf(record)) {
-      state.bodies.back().materials = large->GetMaterials();
-    }
+    state.bodies.push_back(StateOf(record, *world.layers_));
   });
   world.joints_.ForEach(
       [&](World::Joint, b2Joint* joint) { state.joints.push_back(StateOf(*joint)); });
@@ -301,9 +275,7 @@ WorldState WorldState::Of(const World& world) {
   }
   state.mechanisms = world.mechanisms_;
   state.crowds = world.crowds_;
-  state.walls = world.wall_tree_ = WallTree::Of(WallBoxesOf(world.bodies_), world.wall_tree_);
-  state.tree =
-      SavedTree::Of(*world.world_, FixturesOf(world.bodies_, *world.layers_), *state.walls);
+  state.tree = SavedTree::Of(*world.world_, FixturesOf(world.bodies_, *world.layers_));
   return state;
 }
 
@@ -321,10 +293,9 @@ void WorldState::Serialize(Archive& archive, const World& world) {
     records.push_back(&record);
   });
   archive.Same(static_cast<uint32_t>(records.size()), "the number of bodies");
-  const auto& large = world.layers_->large_layers();
-  archive.Same(static_cast<uint32_t>(large.size()),
-               "the number of layers of more than 500,000 walls");
-  std::vector<std::set<uint32_t>> held(large.size());
+  const auto& layers = world.layers_->nearby();
+  archive.Same(static_cast<uint32_t>(layers.size()), "the number of layers");
+  std::set<std::pair<uint32_t, uint32_t>> held;  // blocks of walls
   size_t fixture_count = 0;
   for (size_t i = 0; i < records.size(); ++i) {
     BodyState& body = bodies[i];
@@ -336,14 +307,15 @@ void WorldState::Serialize(Archive& archive, const World& world) {
     archive(all_equal);
     body.materials.resize(all_equal ? std::min<size_t>(fixtures, 1) : fixtures);
     for (Material& material : body.materials) archive(material);
-    fixture_count += records[i]->fixtures.size();
     if (records[i]->is_layer) continue;
+    fixture_count += fixtures;
     SerializeOrder(archive, body.order, fixtures);
     body.boxes.resize(fixtures);
     for (b2AABB& box : body.boxes) archive(box.lowerBound, box.upperBound);
-    if (!large.empty()) SerializeNearby(archive, body.nearby, large, held);
+    if (!layers.empty()) SerializeNearby(archive, body.nearby, layers);
+    for (const auto& [layer, number] : body.nearby.blocks) held.insert({layer, number});
   }
-  for (size_t i = 0; i < large.size(); ++i) fixture_count += large[i]->CountWalls(held[i]);
+  for (const auto& [layer, number] : held) fixture_count += layers[layer]->CountWalls(number);
   archive.Same(static_cast<uint32_t>(joints.size()), "the number of joints");
   size_t joint_index = 0;
   world.joints_.ForEach([&](World::Joint, const b2Joint* joint) {
@@ -384,10 +356,9 @@ void WorldState::Serialize(Archive& archive, const World& world) {
       if (!crowd.IsValid()) Archive::Fail();
     }
   });
-  archive.Same(walls->checksum(), "the walls");
   archive(tree);
   if constexpr (Archive::kIsReader) {
-    if (!tree.IsSound(fixture_count, *walls)) Archive::Fail();
+    if (!tree.IsSound(fixture_count)) Archive::Fail();
   }
 }
 
@@ -424,38 +395,60 @@ void World::RestoreState(std::string_view bytes) {
 }
 
 void WorldState::RequireSameStill(const World& world) const {
-  size_t i = 0;
+  const std::vector<b2Fixture*> fixtures = FixturesOf(world.bodies_, *world.layers_);
+  std::vector<int32> leaves(fixtures.size(), b2_nullNode);
+  for (int32 leaf = 0; leaf < tree.node_count(); ++leaf) {
+    const SavedTree::Node& node = tree.nodes[leaf];
+    if (node.is_leaf() && static_cast<size_t>(node.child2) < leaves.size()) {
+      leaves[node.child2] = leaf;
+    }
+  }
+  size_t i = 0, fixture = 0;
   world.bodies_.ForEach([&](auto, const BodyRecord& record) {
     const BodyState& state = bodies[i++];
-    const BodyState present = StateOf(record);
-    Require(state.materials == present.materials && state.order == present.order,
+    const BodyState present = StateOf(record, *world.layers_);
+    Require(present.materials == state.materials && present.order == state.order,
             "the state is of another world: other friction, restitution or footprints");
-    Require(record.may_move || StandsAt(*record.body, state),
-            "the state is of another world: a static body is elsewhere");
+    for (const BodyRecord::FixtureRecord& each : record.fixtures) {
+      const int32 leaf = box2d::FixtureInternals::Proxies(*each.fixture)->proxyId;
+      Require(record.may_move || leaf == leaves[fixture],
+              "the state is of another world: static bodies were added at other times");
+      ++fixture;
+    }
+    Require(
+        record.may_move || (present.position == state.position && present.sweep.a == state.sweep.a),
+        "the state is of another world: a static body is elsewhere");
   });
+}
+
+void WorldState::Clear(World& world) {
+  world.world_->SetContactListener(nullptr);
+  b2ContactManager& manager = box2d::Contacts(*world.world_);
+  while (manager.m_contactList != nullptr) manager.Destroy(manager.m_contactList);
+  world.bodies_.ForEach(
+      [&](auto, BodyRecord& record) { world.layers_->ReleaseWallsNear(*world.world_, record); });
 }
 
 void WorldState::Restore(World& world) const {
   b2World& box2d_world = *world.world_;
-  box2d_world.SetContactListener(nullptr);
-  b2ContactManager& manager = box2d::Contacts(box2d_world);
-  while (manager.m_contactList != nullptr) manager.Destroy(manager.m_contactList);
+  Clear(world);
   std::vector<BodyRecord*> records;
   world.bodies_.ForEach([&](World::Body handle, BodyRecord& record) {
     const BodyState& state = bodies[records.size()];
     records.push_back(&record);
-    if (NearbyWalls* large = world.layers_->LargeLayerOf(record)) {
-      large->SetMaterials(state.materials);
+    if (NearbyWalls* layer = world.layers_->NearbyOf(record)) {
+      layer->SetMaterials(state.materials);
+    } else {
+      RestoreFixtures(record, state);
     }
-    RestoreFixtures(record, state);
-    record.has_changed_material = true;
-    if (!StandsAt(*record.body, state)) world.bodies_.LetMove(handle);
+    const bool stays =
+        record.body->GetPosition() == state.position && record.body->GetAngle() == state.sweep.a;
+    if (!stays) world.bodies_.LetMove(handle);
   });
-  for (BodyRecord* record : records) world.layers_->ReleaseWallsNear(box2d_world, *record);
   for (size_t i = 0; i < records.size(); ++i) {
     world.layers_->HoldWallsOf(box2d_world, *records[i], bodies[i].nearby);
   }
-  tree.Restore(box2d_world, FixturesOf(world.bodies_, *world.layers_), *walls);
+  tree.Restore(box2d_world, FixturesOf(world.bodies_, *world.layers_));
   size_t joint_index = 0;
   world.joints_.ForEach(
       [&](World::Joint, b2Joint* joint) { RestoreJoint(*joint, joints[joint_index++]); });

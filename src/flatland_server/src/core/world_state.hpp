@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,9 +50,8 @@ struct BodyState {
   bool is_awake = true;
   b2MassData mass{};
   std::vector<Material> materials;  // of its fixtures, or a single one if all are equal
-  // Not of layers:
-  std::vector<uint32_t> order;  // of its fixtures in Box2D's list: their indices
-  std::vector<b2AABB> boxes;    // around each of its fixtures, in this order, in the last step
+  std::vector<uint32_t> order;      // of its fixtures in Box2D's list: their indices
+  std::vector<b2AABB> boxes;        // around each of its fixtures, in this order, in the last step
   BodyRecord::Nearby nearby;
 
   template <class Archive>
@@ -148,6 +146,8 @@ struct WorldState {
   std::string Write(const World& world);
   /// Puts a world into this state.
   void Restore(World& world) const;
+  /// Removes from Box2D what was made by steps: contacts, and the walls near bodies.
+  static void Clear(World& world);
   /// Throws std::invalid_argument unless the world has, in this state, the same materials, and the
   /// bodies that stay at the same places.
   void RequireSameStill(const World& world) const;
@@ -160,7 +160,6 @@ struct WorldState {
   Mechanisms mechanisms;
   SlotMap<Crowd> crowds{"crowd"};
   SavedTree tree;
-  std::shared_ptr<const WallTree> walls;
 
  private:
   template <class Archive>

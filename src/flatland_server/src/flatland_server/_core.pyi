@@ -55,31 +55,13 @@ class World(metaclass=_Metaclass):
     ) -> Body:
         """Adds a static body of two-sided walls, one fixture each. It cannot be moved or removed.
 
-        Of more than 500,000 walls, Box2D holds only those near dynamic bodies.
+        Box2D has those near dynamic bodies.
 
         Args:
             segments: shape (n, 4), rows of x1, y1, x2, y2 [m].
             layers: bits of the collision layers of all walls.
             progress: called with the number of walls added so far, about every 50,000 and at the
                 end. It must not use the world.
-        """
-    @property
-    def layers(self) -> list[Body]:
-        """The bodies of the layers, in the order in which they were added."""
-    def remember_layers(self) -> None:
-        """Lets `take_layers` go back to this point, at which only layers may have been added."""
-    def take_layers(self, former: World, equal: World) -> bool:
-        """Takes layers, into a world without bodies, from one that is not used any more.
-
-        The world then makes the steps, bit for bit, of one to which the layers were added; it takes
-        a tenth of the time.
-
-        Args:
-            former: loses all that it has: handles raise a GoneError.
-            equal: its layers at its `remember_layers` are those that are taken.
-
-        Returns:
-            False, and nothing has changed, if the first layers of `former` are others.
         """
     def add_body(
         self,
@@ -704,6 +686,9 @@ class RelativePoses(metaclass=_Metaclass):
         A yaw in the world is in [-pi, pi]; one in the frame of a body is the difference of two
         such yaws.
         """
+
+def set_stamp_offset(nanoseconds: int) -> None:
+    """Sets the difference between stamps and simulated time [ns], of all messages written here."""
 
 class BodyMessage(metaclass=_Metaclass):
     """The bytes of a message with present poses and velocities of bodies among constants.

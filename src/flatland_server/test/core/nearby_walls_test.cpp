@@ -1,8 +1,8 @@
-/// Large layers: Box2D has their walls near dynamic bodies alone, and everything else is as in an
-/// ordinary layer.
+/// Layers: Box2D has their walls near dynamic bodies alone, and everything is as if it had all.
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <random>
 #include <stdexcept>
 #include <string>
@@ -14,11 +14,11 @@
 namespace flatland {
 namespace {
 
-/// Posts of four walls, 0.2 m wide, on a grid of 1 m from -60 to 60 m: 57,600 walls.
-std::vector<Segment> Posts() {
+/// Posts of four walls, 0.2 m wide, on a grid of 1 m: 57,600 walls if it goes from -60 to 60 m.
+std::vector<Segment> Posts(int half = 60) {
   std::vector<Segment> walls;
-  for (int x = -60; x < 60; ++x) {
-    for (int y = -60; y < 60; ++y) {
+  for (int x = -half; x < half; ++x) {
+    for (int y = -half; y < half; ++y) {
       const double left = x + 0.4, right = x + 0.6, low = y + 0.4, high = y + 0.6;
       walls.push_back({{left, low}, {right, low}});
       walls.push_back({{right, low}, {right, high}});
@@ -31,10 +31,12 @@ std::vector<Segment> Posts() {
 
 constexpr Pose kStart{0.03, 0.02, 0.1};
 
-/// A driven box and one that is pushed, among posts; which layers are large can be chosen.
+constexpr float kEverywhere = 1e4f;  // a room for which Box2D has all walls
+
+/// A driven box and one that is pushed, among posts.
 class Scene {
  public:
-  explicit Scene(size_t large_layer = 0) : world(10, 10, large_layer) {
+  explicit Scene(float room = World::kRoom) : world(10, 10, room) {
     layer = world.AddLayer(Posts(), 0b10);
     robot = AddBox(world, kStart, 0.3, OnLayers(0b11));
     box = AddBox(world, {1.05, 0.1, 0.2}, 0.3, OnLayers(0b10));
@@ -68,31 +70,30 @@ void ExpectSame(const std::vector<Pose>& a, const std::vector<Pose>& b) {
   }
 }
 
-TEST(LargeLayer, BodiesMeetItsWallsAsInAnOrdinaryLayer) {
-  Scene large, ordinary(World::kLargeLayer);
+TEST(NearbyWalls, BodiesMeetThemAsIfBox2DHadAll) {
+  Scene scene, whole(kEverywhere);
 
-  const std::vector<Pose> poses = large.Run(100), expected = ordinary.Run(100);
+  const std::vector<Pose> poses = scene.Run(100), expected = whole.Run(100);
 
   for (size_t i = 0; i < poses.size(); ++i) ExpectPose(poses[i], expected[i], 1e-3);
-  ASSERT_FALSE(large.world.contacts().GetTouches().empty());
-  ASSERT_EQ(large.world.contacts().GetTouches().size(),
-            ordinary.world.contacts().GetTouches().size());
-  EXPECT_EQ(large.world.contacts().GetTouches()[0].a.index,
-            ordinary.world.contacts().GetTouches()[0].a.index);
-  EXPECT_EQ(large.world.body_count(), ordinary.world.body_count());
-  EXPECT_EQ(ordinary.world.held_wall_count(), 0);
+  ASSERT_FALSE(scene.world.contacts().GetTouches().empty());
+  ASSERT_EQ(scene.world.contacts().GetTouches().size(), whole.world.contacts().GetTouches().size());
+  EXPECT_EQ(scene.world.contacts().GetTouches()[0].a.index,
+            whole.world.contacts().GetTouches()[0].a.index);
+  EXPECT_EQ(scene.world.body_count(), whole.world.body_count());
+  EXPECT_EQ(whole.world.held_wall_count(), 57'600);
 }
 
-TEST(LargeLayer, Box2DHasTheWallsNearDynamicBodies) {
+TEST(NearbyWalls, Box2DHasTheWallsNearDynamicBodies) {
   Scene scene;
   scene.Run(1);
   const int near_two = scene.world.held_wall_count();
-  EXPECT_GT(near_two, 4 * 30);  // posts within 3 m
-  EXPECT_LT(near_two, 4 * 300);
+  EXPECT_GT(near_two, 4 * 4);  // posts within half a metre
+  EXPECT_LT(near_two, 4 * 30);
 
   scene.world.SetPose(scene.robot, {40, 40, 0});
   scene.Run(1);
-  EXPECT_GT(scene.world.held_wall_count(), near_two);
+  EXPECT_GE(scene.world.held_wall_count(), near_two);
 
   scene.world.RemoveBody(scene.robot);
   scene.world.RemoveBody(scene.box);
@@ -107,8 +108,8 @@ TEST(LargeLayer, Box2DHasTheWallsNearDynamicBodies) {
   EXPECT_GT(scene.world.held_wall_count(), 0);
 }
 
-TEST(LargeLayer, ABodyThatIsFastOrMovedFarMeetsItsWalls) {
-  World world(10, 10, 0);
+TEST(NearbyWalls, ABodyThatIsFastOrMovedFarMeetsItsWalls) {
+  World world(10, 10);
   world.AddLayer({{{50, -5}, {50, 5}}, {{-50, -5}, {-50, 5}}}, kAllLayers);
   const World::Body box = AddBox(world, {0, 0, 0});
   world.SetVelocity(box, {300, 0, 0});  // 1.5 m in a step
@@ -121,7 +122,7 @@ TEST(LargeLayer, ABodyThatIsFastOrMovedFarMeetsItsWalls) {
   EXPECT_NEAR(world.GetPose(box).x, -49.5, kSkin);
 }
 
-TEST(LargeLayer, EventsNameItsWalls) {
+TEST(NearbyWalls, EventsNameItsWalls) {
   Scene scene;
   Recorder recorder;
   scene.world.contacts().SetListener(&recorder);
@@ -141,7 +142,7 @@ TEST(LargeLayer, EventsNameItsWalls) {
   EXPECT_LT(std::abs(first.points[0].y - wall.a.y), 0.25);
 }
 
-TEST(LargeLayer, ARestoredWorldGoesOnLikeTheSavedOne) {
+TEST(NearbyWalls, ARestoredWorldGoesOnLikeTheSavedOne) {
   Scene saved;
   saved.world.SetFriction({saved.layer, 7}, 0.5);
   saved.Run(150);
@@ -157,12 +158,12 @@ TEST(LargeLayer, ARestoredWorldGoesOnLikeTheSavedOne) {
   ExpectSame(restored.Run(300), saved.Run(300));
 }
 
-TEST(LargeLayer, EqualWorldsMakeEqualSteps) {
+TEST(NearbyWalls, EqualWorldsMakeEqualSteps) {
   Scene one, other;
   ExpectSame(one.Run(500), other.Run(500));
 }
 
-TEST(LargeLayer, ItsWallsHaveSettings) {
+TEST(NearbyWalls, ItsWallsHaveSettings) {
   Scene scene;
   EXPECT_EQ(scene.world.GetFixtureCount(scene.layer), 57'600);
   const Fixture wall{scene.layer, 57'599};
@@ -178,9 +179,9 @@ TEST(LargeLayer, ItsWallsHaveSettings) {
   EXPECT_EQ(scene.world.GetSettings(wall).restitution, 0.25);
 }
 
-TEST(LargeLayer, AWallBouncesBackAsItWasToldBefore) {
+TEST(NearbyWalls, AWallBouncesBackAsItWasToldBefore) {
   for (const bool is_near : {false, true}) {
-    World world(10, 10, 0);
+    World world(10, 10);
     const World::Body layer = world.AddLayer({{{50, -5}, {50, 5}}}, kAllLayers);
     const World::Body box = AddBox(world, {is_near ? 48.0 : 0.0, 0, 0});
     StepTimes(world, 1);
@@ -192,7 +193,7 @@ TEST(LargeLayer, AWallBouncesBackAsItWasToldBefore) {
   }
 }
 
-TEST(LargeLayer, OverlapsAreFoundWithoutAStep) {
+TEST(NearbyWalls, OverlapsAreFoundWithoutAStep) {
   Scene scene;
   EXPECT_TRUE(scene.world.GetOverlappingBodies(scene.robot).empty());
   for (const int steps : {0, 1}) {
@@ -208,8 +209,8 @@ TEST(LargeLayer, OverlapsAreFoundWithoutAStep) {
   }
 }
 
-TEST(LargeLayer, ALayerCanBeAddedLater) {
-  World world(10, 10, 0);
+TEST(NearbyWalls, ALayerCanBeAddedLater) {
+  World world(10, 10);
   world.AddLayer({{{0, 5}, {1, 5}}}, kAllLayers);
   const World::Body box = AddBox(world, {0, 0, 0});
   world.SetVelocity(box, {2, 0, 0});
@@ -221,19 +222,70 @@ TEST(LargeLayer, ALayerCanBeAddedLater) {
   EXPECT_NEAR(world.GetPose(box).x, 1.5, kSkin);
 }
 
-TEST(LargeLayer, ACopyHasAllWalls) {
+TEST(NearbyWalls, ACopyGoesOnBitForBit) {
   Scene scene;
-  const std::unique_ptr<World> copy = scene.world.Copy();
-  for (int i = 0; i < 100; ++i) {
-    scene.world.Step(0.01);
-    copy->Step(0.01);
+  scene.world.SetFriction({scene.layer, 7}, 0.5);
+  for (int round = 0; round < 5; ++round) {
+    const std::unique_ptr<World> copy = scene.world.Copy();
+    EXPECT_EQ(copy->held_wall_count(), scene.world.held_wall_count());
+    EXPECT_EQ(copy->GetFixtureCount(scene.layer), 57'600);
+    for (int i = 0; i < 100; ++i) {
+      scene.world.Step(0.01);
+      copy->Step(0.01);
+    }
+    EXPECT_EQ(copy->SaveState(), scene.world.SaveState()) << round;
   }
-  EXPECT_EQ(copy->held_wall_count(), 0);
-  EXPECT_EQ(copy->GetFixtureCount(scene.layer), 57'600);
-  ExpectPose(copy->GetPose(scene.robot), scene.world.GetPose(scene.robot), 1e-3);
 }
 
-TEST(LargeLayer, ScansAreTheSame) {
+TEST(NearbyWalls, ARobotAtRestLooksForNone) {
+  Scene scene;
+  scene.world.Get(scene.drive).Command({});
+  scene.Run(10);
+  const std::string state = scene.world.SaveState();
+  scene.world.Step(0.01);
+  const int held = scene.world.held_wall_count();
+  scene.Run(100);
+  EXPECT_EQ(scene.world.held_wall_count(), held);
+}
+
+/// Single steps of bodies that collide among posts at random velocities.
+TEST(NearbyWalls, AStepIsThatOfAWorldThatHoldsAllWalls) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const std::vector<Segment> posts = Posts(8);
+  int met = 0;
+  for (int trial = 0; trial < 600; ++trial) {
+    World near(10, 10), whole(10, 10, kEverywhere);
+    const double dt = std::array{0.005, 0.1, 0.5}[trial % 3];
+    const double speed = std::array{1.0, 25.0}[trial % 2];
+    std::vector<World::Body> bodies;
+    for (World* world : {&near, &whole}) world->AddLayer(posts, kAllLayers);
+    for (int i = 0; i < 4; ++i) {
+      const Pose pose{0.35 * i + 0.05 * unit(random), 0.1 * unit(random), M_PI * unit(random)};
+      const Twist velocity{speed * unit(random), speed * unit(random), 5 * unit(random)};
+      for (World* world : {&near, &whole}) {
+        if (i < 3) {
+          bodies.push_back(AddBox(*world, pose, i % 2 == 0 ? 0.2 : 0.05));
+        } else {  // it hits bodies that have been slow
+          bodies.push_back(world->AddBody(At({0.35, 0.2, 0.0}, b2_kinematicBody)));
+          world->AddPolygon(bodies.back(), Square(0.4), Solid());
+        }
+        world->SetVelocity(bodies.back(), velocity);
+      }
+    }
+    near.Step(dt);
+    whole.Step(dt);
+    for (size_t i = 0; i < bodies.size(); i += 2) {
+      const Pose a = near.GetPose(bodies[i]), b = whole.GetPose(bodies[i + 1]);
+      ASSERT_NEAR(a.x, b.x, 0.05);  // contacts in another order are solved a little differently
+      ASSERT_NEAR(a.y, b.y, 0.05);
+    }
+    met += near.contacts().GetTouches().size() > 0;
+  }
+  EXPECT_GT(met, 100);
+}
+
+TEST(NearbyWalls, ScansAreTheSame) {
   const std::vector<Segment> walls = RandomWalls(400, 2.0);
   size_t reported = 0;
   const SegmentTree large(walls, [&](size_t done) { reported = done; });

@@ -94,20 +94,6 @@ TEST_F(WorldCopyTest, GoesOnFromWhereItWas) {
   }
 }
 
-TEST_F(WorldCopyTest, OfALargeLayerIsForWorldsWithoutSteps) {
-  World world(10, 10, 1);
-  world.AddLayer({{{-3, -3}, {3, -3}}, {{3, -3}, {3, 3}}}, kAllLayers);
-  const World::Body post = AddPost(world, {0, 0, 0}), box = AddBox(world, {0, 0, 0});
-  const World::Joint hinge = world.AddRevolute(post, box, {});
-  world.SetMass(box, 3.0, 0.7, Vec2{0.04, -0.03});
-  world.SetMotor(hinge, JointMotor{1.5, 0.4});
-  const std::unique_ptr<World> copy = world.Copy();
-  world.Step(kStep);
-  copy->Step(kStep);
-  ExpectSame(world, *copy, box);
-  EXPECT_THROW(world.Copy(), std::invalid_argument);
-}
-
 TEST_F(WorldCopyTest, TouchesOfABodyAreWithOtherSolidBodies) {
   const World::Body box = AddBox(world_, {0, 0, 0});
   const World::Body neighbour = AddBox(world_, {0.99, 0, 0});

@@ -20,7 +20,8 @@ def test_the_core_tells_how_many_walls_it_has_added():
 
     _core.World().add_layer(walls, 1, added.append)
 
-    assert added == [50_000, 100_000, 120_000]
+    assert added[-1] == 120_000
+    assert [each // 50_000 for each in added] == [1, 2, 2]
 
 
 def test_a_slow_world_logs_each_ten_percent_and_the_end(caplog):

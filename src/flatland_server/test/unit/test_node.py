@@ -6,9 +6,13 @@ from typing import Any, List
 import pytest
 from logged import warnings
 
+from flatland_server import messages
 from flatland_server.geometry import Pose, Transform
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.node import Node
+
+TFMessage = messages.get("tf2_msgs/TFMessage")
+TransformStamped = messages.get("geometry_msgs/TransformStamped")
 
 
 @pytest.fixture
@@ -125,6 +129,70 @@ def test_a_node_may_publish_several_frames_repeatedly(root, transport, caplog):
         "left": 1,
         "right": 1,
     }
+
+
+@pytest.fixture
+def fleet() -> LocalTransport:
+    transport = LocalTransport()
+    transport.tf_by_namespace = True
+    return transport
+
+
+def frames(message: Any) -> List[Any]:
+    return [(each.header.frame_id, each.child_frame_id) for each in message.transforms]
+
+
+def test_each_namespace_may_have_transforms_of_its_own(fleet, caplog):
+    root = Node(fleet)
+    nodes = [root.scoped(name, f"{name}/drive") for name in ("", "r1", "r2")]
+
+    for node in nodes:
+        opened = node.open_frames((node.name_frame("odom"), "base"))
+        node.claim_odometry_frame("odom")
+        node.send_transform(Transform(7, "base", "laser", Pose(1.0)))
+        opened.send(7, [Pose(2.0)])
+    fleet.flush()
+
+    assert set(fleet.transforms) == {"base", "laser"}
+    for topic in ("/r1/tf", "/r2/tf"):
+        assert frames(fleet.last(topic)) == [("base", "laser"), ("odom", "base")]
+    assert [each.transform.translation.x for each in fleet.last("/r1/tf").transforms] == [1.0, 2.0]
+    assert root.odometry_frames == {("", "odom"), ("r1", "odom"), ("r2", "odom")}
+    assert warnings(caplog) == []
+
+    nodes[2].close()
+    assert fleet.topics == {"/r1/tf"}
+    assert root.odometry_frames == {("", "odom"), ("r1", "odom")}
+    fleet.flush()
+
+
+def test_two_publishers_of_a_frame_in_one_namespace_are_still_found(fleet, caplog):
+    root = Node(fleet)
+    nodes = [root.scoped("r1", f"r1/{plugin}") for plugin in ("drive", "tf")]
+    for node in nodes:
+        node.claim_frame("odom", "base")
+
+    [message] = warnings(caplog)
+    assert "switch one of them off" in message
+
+
+def test_static_transforms_of_a_namespace_are_one_message_of_its_own(fleet):
+    root = Node(fleet)
+    for namespace, children in (("", "a"), ("r1", "bc")):
+        for child in children:
+            transform = TransformStamped(child_frame_id=child)
+            transform.header.frame_id = "base"
+            node = root.scoped(namespace, f"{namespace}/{child}")
+            node.advertise("/tf_static", TFMessage, latch=True).publish(TFMessage([transform]))
+
+    assert frames(fleet.last_latched("/tf_static")) == [("base", "a")]
+    assert frames(fleet.last_latched("/r1/tf_static")) == [("base", "b"), ("base", "c")]
+
+
+def test_a_namespace_without_transforms_has_no_topic_for_them(fleet):
+    Node(fleet).scoped("r1", "r1/bumper").advertise("collisions", str)
+
+    assert fleet.topics == {"/r1/collisions"}
 
 
 def test_a_closed_node_releases_its_frames(root, caplog):

@@ -30,12 +30,12 @@ class Subscriber:
 
 @pytest.fixture
 def watch(monkeypatch):
-    """A watch of the frames odom and r1_odom, and the real time that it sees."""
+    """A watch of odom and r1_odom on /tf and of odom on /r2/tf, and the real time that it sees."""
     monkeypatch.setattr(rospy, "get_name", lambda: "/server")
     monkeypatch.setattr(rospy, "Subscriber", Subscriber)
     clock = SimpleNamespace(now=0.0)
     monkeypatch.setattr(other_localisers, "time", SimpleNamespace(monotonic=lambda: clock.now))
-    yield OtherLocalisers(lambda: {"odom", "r1_odom"}), clock
+    yield OtherLocalisers(lambda: {("", "odom"), ("", "r1_odom"), ("r2", "odom")}), clock
     Subscriber.open.clear()
 
 
@@ -58,13 +58,24 @@ def test_a_localiser_beside_map_to_odom_is_named_once(watch, caplog, topic):
     assert "map_to_odom:=false" in warning
 
 
+def test_frames_of_one_name_in_two_namespaces_are_two(watch, caplog):
+    watch[0].follow([["/r2/tf", ["/server", "/r2/amcl"]]])
+
+    send("/r2/amcl", "r1_odom", "/r2/tf")
+    assert warnings(caplog) == []
+    send("/r2/amcl", "odom", "/r2/tf_static")
+
+    [warning] = warnings(caplog)
+    assert warning.startswith('both /r2/amcl and the server place the frame "odom"')
+
+
 def test_transforms_are_received_only_while_a_node_is_new(watch, caplog):
     others, clock = watch
     others.follow([["/tf", ["/server"]]])
     assert not Subscriber.open
 
     others.follow(BESIDE_AMCL)
-    assert set(Subscriber.open) == {"/tf", "/tf_static"}
+    assert set(Subscriber.open) == {"/tf", "/tf_static", "/r2/tf", "/r2/tf_static"}
 
     clock.now = 61.0
     others.follow(BESIDE_AMCL)

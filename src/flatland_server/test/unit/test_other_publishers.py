@@ -25,7 +25,7 @@ def check(monkeypatch, caplog):
     """Looks at the publishers of two topics, and returns the warnings."""
     master = Master()
     monkeypatch.setattr(rospy, "get_name", lambda: "/server")
-    others = OtherPublishers({"/odometry/filtered": 1, "/deleted": 0}, master)
+    others = OtherPublishers({"/odometry/filtered": 1, "/deleted": 0, "/r1/tf": 1}, master)
 
     def look(state: Dict[str, List[str]]) -> List[str]:
         caplog.clear()
@@ -49,6 +49,10 @@ def test_a_second_publisher_is_named_once(check):
 
 def test_topics_of_others_and_those_without_a_publisher_here_are_theirs(check):
     assert check({"/map": ["/map_server"], "/deleted": ["/ekf"], "/tf": ["/server", "/amcl"]}) == []
+
+
+def test_transforms_have_several_publishers(check):
+    assert check({"/r1/tf": ["/server", "/r1/amcl"]}) == []
 
 
 def test_a_master_that_does_not_answer_is_asked_again(check):

@@ -55,6 +55,8 @@ def test_the_defaults_are_those_of_the_launch_file(read):
         simplify_map=0,
         no_return="inf",
         static_tf=False,
+        tf_by_namespace=False,
+        wall_clock_stamps=False,
         realtime_priority=True,
         rospy_patches=True,
         map_to_odom=False,
@@ -120,6 +122,30 @@ def test_a_relative_world_has_to_be_in_the_nodes_working_directory(read, tmp_pat
 
 def test_the_world_may_run_as_fast_as_the_machine_can(read):
     assert read(update_rate="inf").update_rate == float("inf")
+
+
+@pytest.mark.parametrize("settings", [{}, {"update_rate": 333.3333333, "step_size": 0.003}])
+def test_stamps_may_be_of_real_time_if_the_simulation_is(read, settings):
+    assert read(wall_clock_stamps=True, **settings).wall_clock_stamps
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (
+            {"update_rate": 400},
+            "~update_rate times ~step_size is 1; found 400 times 0.005, which is 2: set "
+            "~update_rate to 200",
+        ),
+        ({"update_rate": "inf"}, "which is inf: set ~update_rate to 200"),
+        ({"step_size": 0.01}, "found 200 times 0.01, which is 2: set ~update_rate to 100"),
+        ({"train_mode": True}, "with ~train_mode time stands still between calls"),
+        ({"others": {"/use_sim_time": True}}, "/use_sim_time is true, with which other nodes wait"),
+    ],
+)
+def test_stamps_of_real_time_are_refused_with_what_is_not_real_time(read, settings, message):
+    with pytest.raises(FlatlandError, match=f"^~wall_clock_stamps: .*{message}"):
+        read(wall_clock_stamps=True, **settings)
 
 
 @pytest.mark.parametrize("value", [0, 1])

@@ -3,7 +3,7 @@
 Pure functions of the topics that the ROS master lists.
 """
 
-from typing import Dict, Iterable, List, NamedTuple, Tuple
+from typing import Container, Dict, Iterable, List, NamedTuple, Tuple
 
 from flatland_teleop.natural_order import natural_key
 
@@ -30,17 +30,23 @@ class Shown(NamedTuple):
     topic: str
 
 
-def of_topics(published: Iterable[Tuple[str, str]]) -> List[Shown]:
+def of_topics(published: Iterable[Tuple[str, str]], tf: str = "/tf") -> List[Shown]:
     """The displays of laser scans, plans and goals, in natural order.
+
+    Scans in a namespace with transforms of its own (`<namespace>/tf`) are shown only with these.
 
     Goals are those of move_base's topic `current_goal`. Those of `move_base_simple/goal` are shown
     where nothing publishes that.
 
     Args:
         published: pairs of a topic and its type.
+        tf: the topic of the transforms that the window has.
     """
+    kinds = dict(published)
     displays = [
-        Shown(topic.lstrip("/"), _KINDS[kind], topic) for topic, kind in published if kind in _KINDS
+        Shown(topic.lstrip("/"), _KINDS[kind], topic)
+        for topic, kind in kinds.items()
+        if kind in _KINDS and (kind != SCAN_TYPE or _tf_of(topic, kinds, tf) == tf)
     ]
     goals = {display.topic for display in displays if display.topic.endswith(_GOAL)}
 
@@ -51,6 +57,15 @@ def of_topics(published: Iterable[Tuple[str, str]]) -> List[Shown]:
 
     wanted = [display for display in displays if is_wanted(display.kind, display.topic)]
     return sorted(wanted, key=lambda display: natural_key(display.topic))
+
+
+def _tf_of(topic: str, published: Container[str], default: str) -> str:
+    """The topic of transforms in the nearest namespace above a topic that has one."""
+    while topic:
+        topic = topic.rpartition("/")[0]
+        if f"{topic}/tf" in published:
+            return f"{topic}/tf"
+    return default
 
 
 def walls_topic(debug: str) -> str:

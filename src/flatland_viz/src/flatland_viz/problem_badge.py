@@ -1,5 +1,6 @@
 """The badge in the status line that counts problems, and the list that it opens."""
 
+import time
 from typing import List, Optional
 
 from python_qt_binding.QtCore import Qt, Signal
@@ -29,6 +30,8 @@ _WARNING = _STYLE.format("#f0c419", "black")
 _ERROR = _STYLE.format("#c62828", "white")
 _RED = {"light": QColor("#c62828"), "dark": QColor("#ff8075")}
 _COLUMNS = ("Time", "Count", "From", "Problem")
+_REAL_TIME = 1e9
+"""Later times are not simulated ones: it was reached in 2001 [s]."""
 
 
 class ProblemBadge(QToolButton):
@@ -94,6 +97,13 @@ class ProblemBadge(QToolButton):
         self._list.activateWindow()
 
 
+def _shown(seconds: float) -> str:
+    """A stamp: simulated time, or the time of day if stamps are of real time; empty without one."""
+    if seconds > _REAL_TIME:
+        return time.strftime("%H:%M:%S", time.localtime(seconds))
+    return f"{seconds:.1f} s" if seconds else ""
+
+
 class ProblemList(QDialog):
     """A list of problems, the latest first."""
 
@@ -133,8 +143,7 @@ class ProblemList(QDialog):
         self._tree.clear()
         is_dark = self.palette().color(QPalette.Base).lightness() < 128
         for problem in problems:
-            time = f"{problem.time:.1f} s" if problem.time else ""  # 0: no stamp
-            row = (time, str(problem.times), problem.source, summary(problem.text))
+            row = (_shown(problem.time), str(problem.times), problem.source, summary(problem.text))
             item = QTreeWidgetItem(self._tree, row)
             item.setData(0, Qt.UserRole, problem.text)
             for column in (0, 1):

@@ -273,7 +273,7 @@ class Server(QObject):
         while not self._is_closed:
             self._poll_now.clear()
             try:
-                displays = of_topics(master.getPublishedTopics(""))
+                displays = of_topics(master.getPublishedTopics(""), rospy.resolve_name("/tf"))
                 published, subscribed, _ = master.getSystemState()
                 world = _parameter(master, rospy.resolve_name(f"{_SERVER}/world_path"))
             except (OSError, xmlrpc.client.Error, rosgraph.MasterException):

@@ -1,5 +1,6 @@
 """The node flatland_viz: opens the window, or logs that there is no display."""
 
+import ctypes
 import os
 import signal
 import sys
@@ -39,6 +40,15 @@ def main() -> int:
         rospy.logwarn("%s: going on without a window (show_viz:=false avoids this line)", missing)
         return 0
     return _show_window(ends_server=_END_SERVER in sys.argv)
+
+
+def _start_rviz_node() -> None:
+    """Starts rviz's ROS node with the remappings of this one; rviz itself uses none."""
+    remappings = [each.encode() for each in sys.argv if ":=" in each and not each.startswith("_")]
+    with suppress(OSError):  # a broken installation, which is logged when the window opens
+        library = ctypes.CDLL("libflatland_viz_tools.so")
+        values = (ctypes.c_char_p * len(remappings))(*remappings)
+        library.flatland_viz_start_roscpp(len(remappings), values)
 
 
 def _is_second() -> bool:
@@ -84,6 +94,7 @@ def _show_window(ends_server: bool) -> int:
     problems.start()  # before rviz, whose transforms warn
     server = Server()
     server.models_changed.connect(problems.check_models)
+    _start_rviz_node()
     scene = Scene(_base_config(), _frame_rate())
     window = Window(server, scene, problems, theme)
     server.start()

@@ -57,6 +57,20 @@ def test_scans_plans_and_goals_are_found_among_all_topics_in_natural_order():
     ]
 
 
+def test_scans_are_shown_with_the_transforms_that_the_window_has():
+    published = [
+        ("/tf", "tf2_msgs/TFMessage"),
+        ("/r1/tf", "tf2_msgs/TFMessage"),
+        *((f"{robot}/scan", "sensor_msgs/LaserScan") for robot in ("", "/r1", "/r1/front", "/r2")),
+    ]
+
+    assert [one.topic for one in of_topics(published)] == ["/r2/scan", "/scan"]
+    assert [one.topic for one in of_topics(published, "/r1/tf")] == ["/r1/front/scan", "/r1/scan"]
+    assert [one.topic for one in of_topics(published[2:], "/a/tf")] == [
+        *("/r1/front/scan", "/r1/scan", "/r2/scan", "/scan")
+    ]
+
+
 def test_a_plan_has_the_colour_of_the_robot_in_its_namespace():
     colors = {"/r2": "#00ff00", "/r2/rear_scan": "#0000ff"}
 

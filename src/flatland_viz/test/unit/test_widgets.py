@@ -1,6 +1,7 @@
 """Fields and panels of the window, without a screen."""
 
 import gc
+import time
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,7 @@ from python_qt_binding.QtWidgets import (
     QMainWindow,
     QSlider,
     QToolButton,
+    QTreeWidget,
     QWidget,
 )
 
@@ -26,6 +28,8 @@ from flatland_viz.labels import QuietLabel, SelectableLabel
 from flatland_viz.model_actions import ModelActions
 from flatland_viz.model_list import Model, Topic
 from flatland_viz.move_dialog import MoveDialog
+from flatland_viz.problem_badge import ProblemList
+from flatland_viz.problems import Problem
 from flatland_viz.screenshot import write_picture
 from flatland_viz.selection import Selection
 from flatland_viz.status import Simulation, Status
@@ -61,6 +65,21 @@ def test_a_decimal_point_and_a_comma_mean_the_same_in_every_locale(application, 
     for character in text:
         send_key(field, QEvent.KeyPress, 0, character)
     assert dialog.pose == (-1.5, 0.0, 0.0)
+
+
+def test_times_of_problems_are_simulated_or_of_the_day(application, monkeypatch):
+    monkeypatch.setenv("TZ", "UTC")
+    time.tzset()
+    problems = ProblemList(None)
+    problems.show_problems(
+        [Problem("/server", "text", False, 1, at) for at in (0.0, 12.34, 1_800_000_000.7)]
+    )
+    monkeypatch.undo()
+    time.tzset()
+
+    tree = problems.findChild(QTreeWidget)
+    times = [tree.topLevelItem(row).text(0) for row in range(3)]
+    assert times == ["", "12.3 s", "08:00:00"]
 
 
 def moment(time, begin, end):

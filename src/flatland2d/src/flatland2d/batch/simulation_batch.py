@@ -59,8 +59,7 @@ class SimulationBatch:
 
     An environment has the same poses, velocities and ranges, bit for bit, as a `Simulation` of the
     same world and seed, for any number of environments and threads, and independent of the other
-    environments; with a layer of more than 500,000 walls, up to rounding. Robots of different
-    environments do not see each other.
+    environments. Robots of different environments do not see each other.
 
     Python runs no hooks of plugins: the core drives, steps and scans. Drives, lidars, tweens and
     crowds work, and plugins that only observe are left out. Those that set velocities of bodies at

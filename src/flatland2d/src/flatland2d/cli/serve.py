@@ -85,6 +85,17 @@ def add_parser(commands: Subparsers) -> None:
         help="for nodes of ROS 2, too, over DDS in the domain ROS_DOMAIN_ID; without a value those "
         f"of the distribution ROS_DISTRO (default: {_ROS2})",
     )
+    parser.add_argument(
+        "--wall-clock-stamps",
+        action="store_true",
+        help="stamps of real time, without /clock, for nodes without use_sim_time; not with --rate",
+    )
+    parser.add_argument(
+        "--tf-by-namespace",
+        action="store_true",
+        help="transforms of robots in namespaces go to NAMESPACE/tf and NAMESPACE/tf_static, and "
+        "their frames have no prefix",
+    )
     parser.set_defaults(execute=_execute, parser=parser)
 
 
@@ -116,6 +127,8 @@ def _execute(options: argparse.Namespace) -> int:
         rosbridge_port=options.port,
         foxglove_port=options.foxglove_port,
         client_memory=options.client_memory * 1_000_000,
+        wall_clock_stamps=options.wall_clock_stamps,
+        tf_by_namespace=options.tf_by_namespace,
         ros2=options.ros2,
     )
     with server, interrupts() as is_interrupted:

@@ -16,11 +16,11 @@ const MOST_WAITING = 100;  // scans
 const get = (id) => document.getElementById(id);
 const view = new View(get("view"));
 const models = new Map();  // flatland_msgs/ModelInfo by name
-const frames = new Map();  // by name: {parent, pose}, as /tf has them
-const bodyOf = new Map();  // "model/body" by frame
+const frames = new Map();  // by key: {parent, pose}, as /tf has them
+const bodyOf = new Map();  // "model/body" by the key of its frame
 const pressed = new Set();
-const scanTopics = new Set();  // subscribed to
-const lost = new Set();  // frames of scans of which the body is not known
+const scanTopics = new Map();  // those subscribed to: the namespace of the transforms
+const lost = new Map();  // the namespaces of transforms, by keys of scans' frames without a body
 let poses = new Poses();
 let waiting = [];  // {topic, message}: scans of which the poses are still to come
 let isPaused = false, isSpawning = false, drag = null, isDirty = true;
@@ -60,7 +60,7 @@ function begin() {
   server.subscribe(`${NODE}/debug/models`, ({markers}) => { view.setShapes(markers); isDirty = true; },
     {throttle_rate: 500});
   server.subscribe(`${NODE}/state`, setState);
-  server.subscribe("/tf_static", setFrames, {queue_length: 100});
+  followFrames("/tf_static", new Set([""]));
   subscribeScans();
 }
 
@@ -75,8 +75,11 @@ function setModels(list) {
   lost.clear();
   for (const model of list) {
     models.set(model.name, model);
-    for (const body of model.bodies) bodyOf.set(body.frame_id, `${model.name}/${body.name}`);
+    for (const body of model.bodies) {
+      bodyOf.set(keyOf(body.frame_id || body.name, tfOf(model)), `${model.name}/${body.name}`);
+    }
   }
+  followFrames("/tf_static", new Set(["", ...list.map(tfOf)]));
   for (const body of poses.now.keys()) {
     if (!models.has(body.split("/")[0])) poses.now.delete(body);
   }
@@ -136,14 +139,30 @@ function setState({paused, stamp, real_time_factor: factor}) {
 
 // Scans
 
-function setFrames({transforms}) {
-  for (const {header, child_frame_id: child, transform: {translation, rotation: q}} of transforms) {
-    const theta = Math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z));
-    frames.set(child, {parent: header.frame_id, pose: {x: translation.x, y: translation.y, theta}});
+/** The namespace of a model's transforms: empty for those of /tf. */
+const tfOf = ({ns, bodies: [base]}) => ns && base && !base.frame_id ? `/${ns}` : "";
+const keyOf = (frame, tf) => tf ? `${tf} ${frame}` : frame;
+
+/** Subscribes to a topic of transforms in these namespaces, and in no others. */
+function followFrames(topic, namespaces) {
+  for (const name of [...server.receivers.keys()].filter((name) => name.endsWith(topic))) {
+    if (!namespaces.has(name.slice(0, -topic.length))) server.unsubscribe(name);
+  }
+  for (const tf of namespaces) {
+    if (server.receivers.has(tf + topic)) continue;
+    server.subscribe(tf + topic, (message) => setFrames(message, tf), {queue_length: 100});
   }
 }
 
-/** The body that a frame is fixed to, and the frame's pose on it; undefined if it is not known. */
+function setFrames({transforms}, tf) {
+  for (const {header, child_frame_id: child, transform: {translation, rotation: q}} of transforms) {
+    const theta = Math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z));
+    const pose = {x: translation.x, y: translation.y, theta};
+    frames.set(keyOf(child, tf), {parent: keyOf(header.frame_id, tf), pose});
+  }
+}
+
+/** The body that a frame, by its key, is fixed to, and its pose on it; undefined if not known. */
 function mountOf(frame, pose = {x: 0, y: 0, theta: 0}, depth = 0) {
   const body = bodyOf.get(frame), link = frames.get(frame);
   if (body) return {body, pose};
@@ -154,32 +173,29 @@ function mountOf(frame, pose = {x: 0, y: 0, theta: 0}, depth = 0) {
 function placeScans() {
   const isDue = ({message}) => seconds(message.header.stamp) <= poses.time;
   for (const {topic, message} of waiting.filter(isDue)) {
-    const {frame_id: frame, stamp} = message.header, mount = mountOf(frame);
-    if (mount) lost.delete(frame); else lost.add(frame);
+    const {frame_id, stamp} = message.header, tf = scanTopics.get(topic);
+    const frame = keyOf(frame_id, tf), mount = mountOf(frame);
+    if (mount) lost.delete(frame); else lost.set(frame, tf);
     const base = mount && poses.at(mount.body, seconds(stamp));
     if (base) view.scans.set(topic, {message, pose: compose(base, mount.pose)});
   }
   waiting = waiting.filter((scan) => !isDue(scan)).slice(-MOST_WAITING);
-  const isFollowing = server.receivers.has("/tf");
-  if (lost.size && !isFollowing) {
-    server.subscribe("/tf", setFrames, {queue_length: 100});
-  } else if (!lost.size && isFollowing) {
-    server.unsubscribe("/tf");
-  }
+  followFrames("/tf", new Set(lost.values()));
 }
 
 function subscribeScans() {
-  const wanted = !get("scans").checked ? [] : [...models.values()].flatMap(topicsOf)
-    .filter(({type, is_published}) => type === "sensor_msgs/LaserScan" && is_published)
-    .map(({name}) => name);
-  for (const topic of [...scanTopics].filter((each) => !wanted.includes(each))) {
+  const wanted = new Map(!get("scans").checked ? [] : [...models.values()].flatMap((model) =>
+    topicsOf(model)
+      .filter(({type, is_published}) => type === "sensor_msgs/LaserScan" && is_published)
+      .map(({name}) => [name, tfOf(model)])));
+  for (const topic of [...scanTopics.keys()].filter((each) => !wanted.has(each))) {
     server.unsubscribe(topic);
     scanTopics.delete(topic);
     view.scans.delete(topic);
   }
-  for (const topic of wanted.filter((each) => !scanTopics.has(each))) {
+  for (const [topic, tf] of [...wanted].filter(([each]) => !scanTopics.has(each))) {
     server.subscribe(topic, (message) => waiting.push({topic, message}));
-    scanTopics.add(topic);
+    scanTopics.set(topic, tf);
   }
   waiting = waiting.filter(({topic}) => scanTopics.has(topic));
   isDirty = true;

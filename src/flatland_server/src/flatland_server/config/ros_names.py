@@ -5,7 +5,7 @@ topics, and 255 is the limit of a file's name (NAME_MAX).
 """
 
 import re
-from typing import Optional
+from typing import Optional, Tuple
 
 from flatland_server.exceptions import shortened
 
@@ -72,6 +72,11 @@ def bare_namespace(namespace: str) -> str:
 def namespaced_frame(namespace: str, frame_id: str) -> str:
     """A frame within a model's namespace: `<namespace>_<frame>`, or `<frame>` without one."""
     return f"{namespace}_{frame_id}" if namespace else frame_id
+
+
+def tf_topics(namespace: str) -> Tuple[str, str]:
+    """The topics of a namespace for transforms and static ones: `/tf`, `/tf_static` without one."""
+    return f"{namespace}/tf", f"{namespace}/tf_static"
 
 
 def _length_problem(name: str) -> Optional[str]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Callable
 
 from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time, yaw_of
 from flatland_server.messages.message_types import TYPES, add, get
+from flatland_server.messages.stamps import stamp_of
 
 if TYPE_CHECKING:
     Duration: Callable[..., Any]
@@ -24,6 +25,7 @@ __all__ = [
     "get",
     "header",
     "ros_time",
+    "stamp_of",
     "yaw_of",
 ]
 

@@ -5,15 +5,16 @@ from typing import Any, Tuple
 
 from flatland_server.geometry import Pose, Transform, quaternion
 from flatland_server.messages.message_types import TYPES
+from flatland_server.messages.stamps import stamp_of
 
 
 def ros_time(nanoseconds: int) -> Any:
-    """Simulated time as a ROS time.
+    """The stamp of a simulated time, as a ROS time.
 
     Args:
         nanoseconds: simulated time [ns].
     """
-    return TYPES.Time(nanoseconds // 1_000_000_000, nanoseconds % 1_000_000_000)
+    return TYPES.Time(*stamp_of(nanoseconds))
 
 
 def header(nanoseconds: int, frame_id: str) -> Any:

@@ -100,7 +100,6 @@ class Layer(Entity):
         physics: the physical world that it is added to.
         entities: the entities of that world; the layer adds itself.
         progress: called with the number of walls added so far, now and then.
-        body: of its walls, if that world has it already.
     """
 
     def __init__(
@@ -110,17 +109,13 @@ class Layer(Entity):
         physics: _core.World,
         entities: Entities,
         progress: Optional[Callable[[int], None]] = None,
-        body: Optional[_core.Body] = None,
     ) -> None:
         self.config = config
         self._physics = physics
         self._entities = entities
         self._bodies: List[_core.Body] = []
         self._segments = segments
-        if body is None:
-            self._add_bodies(segments, progress)
-        else:
-            self._own(body)
+        self._add_bodies(segments, progress)
 
     @property
     def name(self) -> str:
@@ -156,8 +151,6 @@ class Layer(Entity):
     ) -> None:
         if len(segments) == 0:
             return
-        self._own(self._physics.add_layer(segments, self.config.bits, progress))
-
-    def _own(self, body: _core.Body) -> None:
+        body = self._physics.add_layer(segments, self.config.bits, progress)
         self._bodies.append(body)
         self._entities.add(self, [body])

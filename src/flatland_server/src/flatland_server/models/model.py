@@ -146,10 +146,13 @@ class Model(Entity):
         entities: the entities of that world; the model adds itself.
         change: makes a change that ends contacts, now or at the end of the step; also gets the log
             message for a failure then.
+        tf_by_namespace: as of `Transport`.
 
     Attributes:
         namespace: without a "/" at its ends, and without "~".
         has_own_frames: whether its namespace was given with "~".
+        has_own_tf: whether its transforms are on topics of its namespace, and its frames' names
+            without it.
         config: the contents of its file, with the footprints as they are now.
         bodies: by name, the base first; none after the model was deleted.
         joints: none after the model was deleted.
@@ -170,9 +173,11 @@ class Model(Entity):
         registry: CollisionFilterRegistry,
         entities: Entities,
         change: Callable[[Callable[[], None], str], None],
+        tf_by_namespace: bool = False,
     ) -> None:
         self._name = name
         self.namespace = bare_namespace(namespace)
+        self.has_own_tf = tf_by_namespace and bool(self.namespace)
         self.has_own_frames = namespace.startswith("~")
         self.config = config
         self.physics = physics
@@ -390,10 +395,12 @@ class Model(Entity):
     def name_space_tf(self, frame_id: str) -> str:
         """The name of a frame of this model, with its namespace: `<namespace>_<frame>`.
 
+        Without it if each namespace has transforms of its own (`tf_by_namespace`).
+
         Args:
             frame_id: the name without the namespace; a leading "/" is removed, and the namespace
                 is then not added.
         """
         if frame_id.startswith("/"):
             return frame_id[1:]
-        return namespaced_frame(self.namespace, frame_id)
+        return frame_id if self.has_own_tf else namespaced_frame(self.namespace, frame_id)

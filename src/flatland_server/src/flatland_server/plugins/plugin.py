@@ -49,7 +49,6 @@ import numpy as np
 from flatland_server import _core
 from flatland_server._core import StepMessage
 from flatland_server.canvas import Canvas
-from flatland_server.config.ros_names import namespaced_frame
 from flatland_server.config.yaml_reader import REQUIRED, YamlReader
 from flatland_server.models.model import Model
 from flatland_server.plugins.batch_role import BatchRole
@@ -164,7 +163,7 @@ class Plugin:
         bare = frame_id[1:].lstrip("/")
         if not bare:
             config.problem(f'expected a frame, such as "~odom", found "{frame_id}"', key)
-        return namespaced_frame(self.node.namespace, bare)
+        return self.node.name_frame(bare)
 
     def has_work(self) -> bool:
         """True if the step hooks need to be called now.

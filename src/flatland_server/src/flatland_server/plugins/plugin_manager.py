@@ -29,6 +29,7 @@ from flatland_server.plugins.plugin_factory import PluginFactory
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.plugins.schedule import NO_CALLS, Schedule, Work
 from flatland_server.timekeeper import Timekeeper
+from flatland_server.transport.frame_registry import OdometryFrame
 from flatland_server.transport.node import Node
 from flatland_server.transport.transport import Transport
 
@@ -137,7 +138,7 @@ class PluginManager:
         return list(self._plugins.get(model_name, []))
 
     @property
-    def odometry_frames(self) -> Set[str]:
+    def odometry_frames(self) -> Set[OdometryFrame]:
         """The frames of odometry that running plugins have claimed."""
         return self._root_node.odometry_frames
 

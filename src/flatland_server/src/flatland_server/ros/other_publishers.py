@@ -23,6 +23,8 @@ _PERIOD = 5.0
 class OtherPublishers:
     """Looks for other publishers in a thread of its own, until the node ends.
 
+    Transforms are left out: they have several publishers.
+
     Args:
         counts: the number of publishers that plugins have of each topic.
         master: to ask.
@@ -70,7 +72,8 @@ class OtherPublishers:
 
     def _others(self, publishers: List[Any]) -> Set[Tuple[str, str]]:
         me = rospy.get_name()
-        mine = {topic for topic, count in list(self._counts.items()) if count > 0}
+        counts = list(self._counts.items())
+        mine = {topic for topic, count in counts if count > 0 and not topic.endswith("/tf")}
         return {(t, node) for t, nodes in publishers if t in mine for node in nodes if node != me}
 
 

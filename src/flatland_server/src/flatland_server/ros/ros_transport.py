@@ -9,7 +9,7 @@ import logging
 import threading
 import time
 from collections import Counter, deque
-from typing import Any, Callable, Deque, Mapping, Optional, Sequence, Tuple
+from typing import Any, Callable, Deque, Dict, Mapping, Optional, Sequence, Tuple
 from typing import Counter as CounterType
 
 import rospy
@@ -68,10 +68,7 @@ class RosTransport(ThreadCalls, Transport):
         self._tf = rospy.Publisher(
             "/tf", TFMessage, self._subscriber_counter, queue_size=100, tcp_nodelay=True
         )
-        self._static_transforms = StaticTransforms(
-            lambda: rospy.Publisher(TF_STATIC, TFMessage, latch=True, queue_size=10),
-            lambda: None,  # `release` publishes them: a world that is reset is one change
-        )
+        self._static_transforms: Dict[str, StaticTransforms] = {}  # by topic
 
     @property
     def node_name(self) -> str:
@@ -84,8 +81,13 @@ class RosTransport(ThreadCalls, Transport):
         self, topic: str, message_type: Any, *, latch: bool, queue_size: int
     ) -> Publisher:
         name = rospy.resolve_name(topic)
-        if name == rospy.resolve_name(TF_STATIC):
-            return self._static_transforms.advertise()
+        if f"/{topic}".endswith(TF_STATIC):
+            if name not in self._static_transforms:
+                self._static_transforms[name] = StaticTransforms(
+                    lambda: rospy.Publisher(topic, TFMessage, latch=True, queue_size=10),
+                    lambda: None,  # `release` publishes them: a world that is reset is one change
+                )
+            return self._static_transforms[name].advertise()
         # Publishers of a topic share what rospy has of it, and each would add the counter once
         # more: after a thousand resets, a subscriber would be counted a thousand times.
         counter = self._subscriber_counter if name not in self.publisher_counts else None
@@ -100,6 +102,10 @@ class RosTransport(ThreadCalls, Transport):
     ) -> Subscription:
         arrival = self.arrivals.open(rospy.resolve_name(topic), message_type)
         return _RosSubscription(topic, message_type, callback, self, arrival)
+
+    @property
+    def sends_bytes(self) -> bool:
+        return True
 
     @property
     def transforms_have_subscribers(self) -> bool:
@@ -155,6 +161,9 @@ class RosTransport(ThreadCalls, Transport):
 
     def flush(self) -> None:
         self.arrivals.next_step()
+        if self.on_flush:
+            for send in self.on_flush:
+                send()
         message = self._transforms.take()
         if message:
             if not self._outbox.is_open:
@@ -167,8 +176,9 @@ class RosTransport(ThreadCalls, Transport):
 
     def release(self) -> None:
         self._outbox.is_open = False
-        if self._static_transforms.is_changed:
-            self._static_transforms.publish()
+        for static in self._static_transforms.values():
+            if static.is_changed:
+                static.publish()
         self.before_sending()
         self._outbox.send()
 
@@ -257,7 +267,7 @@ class _RosSubscription(Subscription):
     def _deliver(self, message: Any) -> None:
         if self._is_open:
             self._arrival.note()
-            note = self._transport.on_message
+            note = self._transport.on_input
             if note is not None and self._transport.arrivals.is_first(self._arrival):
                 note(self._topic, message)  # once, and not for each subscription
             self._callback(message)

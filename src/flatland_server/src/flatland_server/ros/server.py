@@ -37,6 +37,7 @@ from flatland_server.simulation.history import SHARE_OF_VIEWERS
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.slow_plugin_watch import SlowPluginWatch
 from flatland_server.simulation.thread_priority import ThreadPriority
+from flatland_server.simulation.wall_timekeeper import WallTimekeeper
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 
@@ -84,7 +85,7 @@ def run_node(name: str, simulate: Simulate) -> int:
 
 def _run(config: ServerConfig, simulate: Simulate, log: RecentLog) -> None:
     try:
-        timekeeper = Timekeeper(config.step_size)
+        timekeeper = (WallTimekeeper if config.wall_clock_stamps else Timekeeper)(config.step_size)
     except ValueError as error:
         raise FlatlandError(f"~step_size: {error}") from None
     shutdown = Shutdown()
@@ -92,6 +93,7 @@ def _run(config: ServerConfig, simulate: Simulate, log: RecentLog) -> None:
         rospy_patches.install(config.rospy_patches),
         {"~no_return": config.no_return, "~static_tf": config.static_tf},
     )
+    transport.tf_by_namespace = config.tf_by_namespace
     shutdown.transport = transport
     LoadingPublisher()
     with transport.rospy_calls.batch_registration():
@@ -109,7 +111,8 @@ def _run(config: ServerConfig, simulate: Simulate, log: RecentLog) -> None:
         log.start(manager)
     exclude_from_garbage_collection()
     if transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT):
-        warn_of_other_times()  # of two nodes that start together, the second one sees the first
+        if not config.wall_clock_stamps:
+            warn_of_other_times()  # of two nodes that start together, the second sees the first
     else:
         rospy.logwarn("the simulation starts before the ROS master knows all of its topics")
     other_publishers.watch(transport.publisher_counts, localisers)
@@ -136,12 +139,13 @@ def _open_topics(
         The watch for other localisers, if the server sends map -> odom.
     """
     edits = ClientEdits(manager.world)
-    clock = ClockPublisher(manager.timekeeper, transport.rospy_calls)
-    manager.after_step.append(clock.tick)
-    manager.on_tick.append(clock.flush)
-    manager.on_tick.append(lambda: manager.is_stepping or clock.repeat_for_new_subscribers())
-    manager.after_jump += [clock.tick, clock.flush]
-    transport.before_sending = clock.flush
+    if not config.wall_clock_stamps:
+        clock = ClockPublisher(manager.timekeeper, transport.rospy_calls)
+        manager.after_step.append(clock.tick)
+        manager.on_tick.append(clock.flush)
+        manager.on_tick.append(lambda: manager.is_stepping or clock.repeat_for_new_subscribers())
+        manager.after_jump += [clock.tick, clock.flush]
+        transport.before_sending = clock.flush
     if config.show_viz:
         markers = DebugVisualization(manager.world, config.viz_pub_rate, transport.rospy_calls)
         manager.on_tick.append(markers.update)

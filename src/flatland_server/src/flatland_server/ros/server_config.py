@@ -27,6 +27,8 @@ class ServerConfig(NamedTuple):
     simplify_map: int
     no_return: str
     static_tf: bool
+    tf_by_namespace: bool
+    wall_clock_stamps: bool
     realtime_priority: bool
     rospy_patches: bool
     map_to_odom: bool
@@ -61,7 +63,7 @@ class ServerConfig(NamedTuple):
         show_viz = _flag("~show_viz", True)
         period = _param("~control_period", None)
         launch_file = rospy.get_param("~launch_file", "")
-        return cls(
+        config = cls(
             world_path=_world_file(str(world_path)),
             update_rate=positive_param("~update_rate", 200.0, allow_infinity=True),
             step_size=positive_param("~step_size", 0.005),
@@ -73,6 +75,8 @@ class ServerConfig(NamedTuple):
             simplify_map=simplify_map,
             no_return=no_return,
             static_tf=_flag("~static_tf", False),
+            tf_by_namespace=_flag("~tf_by_namespace", False),
+            wall_clock_stamps=_flag("~wall_clock_stamps", False),
             realtime_priority=_flag("~realtime_priority", True),
             rospy_patches=_flag("~rospy_patches", True),
             map_to_odom=_flag("~map_to_odom", False),
@@ -81,6 +85,31 @@ class ServerConfig(NamedTuple):
             models=_folders("~models"),
             state_folder=next(iter(_folders("~state_folder")), None),
             launch_file=Path(launch_file) if launch_file else None,
+        )
+        if config.wall_clock_stamps:
+            _require_real_time(config)
+        return config
+
+
+def _require_real_time(config: ServerConfig) -> None:
+    """Refuses what does not go together with stamps of real time."""
+    rate = config.update_rate * config.step_size
+    if not math.isclose(rate, 1.0, rel_tol=1e-6):
+        raise FlatlandError(
+            "~wall_clock_stamps: stamps of real time need a simulation in real time, in which "
+            f"~update_rate times ~step_size is 1; found {config.update_rate:g} times "
+            f"{config.step_size:g}, which is {rate:g}: set ~update_rate to "
+            f"{1.0 / config.step_size:g}"
+        )
+    if config.train_mode:
+        raise FlatlandError(
+            "~wall_clock_stamps: stamps of real time need a simulation in real time, but with "
+            "~train_mode time stands still between calls: leave out one of them"
+        )
+    if rospy.get_param("/use_sim_time", False):
+        raise FlatlandError(
+            "~wall_clock_stamps: /use_sim_time is true, with which other nodes wait for /clock; "
+            "server.launch sets it to false, or `rosparam delete /use_sim_time` does"
         )
 
 

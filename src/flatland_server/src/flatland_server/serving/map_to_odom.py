@@ -1,11 +1,14 @@
 """Stands in for a localiser: publishes identity from the map to each odometry frame."""
 
-from typing import Any, Callable, Collection, Set
+from itertools import groupby
+from typing import Any, Callable, Collection, Dict, Set
 
+from flatland_server.config.ros_names import tf_topics
+from flatland_server.messages.conversions import header
 from flatland_server.messages.message_types import get
 from flatland_server.real_time_timer import RealTimeTimer
-from flatland_server.transport.static_transforms import TOPIC
-from flatland_server.transport.transport import Transport
+from flatland_server.transport.frame_registry import OdometryFrame
+from flatland_server.transport.transport import Publisher, Transport
 
 TransformStamped = get("geometry_msgs/TransformStamped")
 TFMessage = get("tf2_msgs/TFMessage")
@@ -21,26 +24,28 @@ class MapToOdom:
 
     Args:
         transport: publishes it.
-        odometry_frames: returns the present frames of odometry: robots come and go.
+        odometry_frames: returns the present frames of odometry, each with the namespace of its
+            transforms: robots come and go.
         always: frames that need no robot.
     """
 
     def __init__(
         self,
         transport: Transport,
-        odometry_frames: Callable[[], Collection[str]],
-        always: Collection[str] = ("odom",),
+        odometry_frames: Callable[[], Collection[OdometryFrame]],
+        always: Collection[OdometryFrame] = (("", "odom"),),
     ) -> None:
         self._odometry_frames = odometry_frames
         self._timer = RealTimeTimer(_PERIOD)
-        self._publisher = transport.advertise(TOPIC, TFMessage, latch=True, queue_size=10)
-        self._published: Set[str] = {FRAME_ID}
+        self._transport = transport
+        self._publishers: Dict[str, Publisher] = {}  # by namespace
+        self._published: Set[OdometryFrame] = set()
         self._publish({*always, *odometry_frames()})
 
     @property
-    def frames(self) -> Set[str]:
+    def frames(self) -> Set[OdometryFrame]:
         """The frames that were placed in the map."""
-        return self._published - {FRAME_ID}
+        return set(self._published)
 
     def update(self) -> None:
         """Publishes if there is a new frame; to be called often."""
@@ -51,19 +56,27 @@ class MapToOdom:
         """Publishes if there is a new frame."""
         self._publish(self._odometry_frames())
 
-    def _publish(self, frames: Collection[str]) -> None:
-        new = set(frames) - self._published
-        if new:
-            self._published |= new
-            self._publisher.publish(TFMessage([_identity(frame) for frame in sorted(new)]))
+    def _publish(self, frames: Collection[OdometryFrame]) -> None:
+        new = {each for each in frames if each[1] != FRAME_ID} - self._published
+        self._published |= new
+        for namespace, group in groupby(sorted(new), lambda each: each[0]):
+            self._publisher(namespace).publish(TFMessage([_identity(frame) for _, frame in group]))
+
+    def _publisher(self, namespace: str) -> Publisher:
+        if namespace not in self._publishers:
+            _, topic = tf_topics(namespace)
+            self._publishers[namespace] = self._transport.advertise(
+                topic, TFMessage, latch=True, queue_size=10
+            )
+        return self._publishers[namespace]
 
     def close(self) -> None:
         """Ends the publishing."""
-        self._publisher.close()
+        for publisher in self._publishers.values():
+            publisher.close()
 
 
 def _identity(frame: str) -> Any:
-    transform = TransformStamped(child_frame_id=frame)
-    transform.header.frame_id = FRAME_ID
+    transform = TransformStamped(header=header(0, FRAME_ID), child_frame_id=frame)
     transform.transform.rotation.w = 1.0
     return transform

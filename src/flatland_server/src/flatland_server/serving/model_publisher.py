@@ -113,7 +113,10 @@ def _model_info(model: Model, plugins: List[Tuple[Plugin, bool]]) -> Any:
         name=model.name,
         ns=model.namespace,
         yaml_path=str(config.path.resolve()) if is_of_file else "",
-        bodies=[_body_info(body, model.name_space_tf(body.name)) for body in config.bodies],
+        bodies=[
+            _body_info(body, "" if model.has_own_tf else model.name_space_tf(body.name))
+            for body in config.bodies
+        ],
         plugins=[_plugin_info(plugin, has_failed) for plugin, has_failed in plugins],
     )
 

@@ -8,7 +8,7 @@ import logging
 import re
 import threading
 import time
-from typing import Dict, NamedTuple, Optional, Set
+from typing import Any, Dict, NamedTuple, Optional, Set
 
 from flatland_server.messages import ros_time
 from flatland_server.messages.message_types import get
@@ -28,7 +28,7 @@ _FATAL = 16
 
 class _Entry(NamedTuple):
     time: float  # s of time.monotonic
-    stamp: int  # simulated time [ns]
+    stamp: Any
     level: int
     times: int
 
@@ -57,12 +57,12 @@ class RecentLog(logging.Handler):
         text = self.format(record)
         if len(text) > _LONGEST:  # a traceback ends with its error
             text = f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 2 :]}"
-        stamp = self._manager.timekeeper.nanoseconds if self._manager is not None else 0
+        now = self._manager.timekeeper.nanoseconds if self._manager is not None else 0
         level = _LEVELS.get(record.levelno, _FATAL)
         with self._entries_lock:
             former = self._entries.pop(text, None)
             times = former.times + 1 if former is not None else 1
-            self._entries[text] = _Entry(time.monotonic(), stamp, level, times)
+            self._entries[text] = _Entry(time.monotonic(), ros_time(now), level, times)
             if len(self._entries) > _MOST:
                 del self._entries[next(iter(self._entries))]
             self._has_changed = True
@@ -97,7 +97,7 @@ class RecentLog(logging.Handler):
             self._publisher.publish(
                 RecentLogMsg(
                     [
-                        LogEntry(ros_time(entry.stamp), entry.level, text, entry.times)
+                        LogEntry(entry.stamp, entry.level, text, entry.times)
                         for text, entry in entries
                     ]
                 )

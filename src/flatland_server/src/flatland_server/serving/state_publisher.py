@@ -1,9 +1,11 @@
-"""~state: whether the simulation is paused, and its rate, for graphical front ends."""
+"""~state: whether the simulation is paused, and its rate, for graphical front ends.
+
+Its times are simulated ones, whatever the stamps of other messages are: /seek takes them.
+"""
 
 import time
 
-from flatland_server.messages import ros_time
-from flatland_server.messages.message_types import get
+from flatland_server.messages.message_types import TYPES, get
 from flatland_server.serving.client_edits import ClientEdits
 from flatland_server.simulation.simulation_manager import SimulationManager
 
@@ -44,12 +46,12 @@ class StatePublisher:
         begin, end = manager.history.span if manager.history else (now_simulated, now_simulated)
         paused, rate = requested
         state = SimulationState(
-            ros_time(now_simulated),
+            TYPES.Time(0, now_simulated),
             paused,
             rate,
             manager.real_time_factor,
-            ros_time(begin),
-            ros_time(end),
+            TYPES.Time(0, begin),
+            TYPES.Time(0, end),
             self._edits.count,
         )
         self._publisher.publish(state)

@@ -1,51 +1,44 @@
-"""The history of a run: states that are kept as it goes, to go back to any of its moments.
+"""A run that keeps its history: states, from which it goes back to any of its moments.
 
-A moment has a state, and what came from outside until the next one: commands, and messages to
-plugins. A moment in between is computed by a `Replay` from the one before, out of sight of the run.
-Changes of the world from outside, such as spawns, are not replayed; a state is kept after each.
+A moment between two states is computed from the one before, in a second world, which the run does
+not notice. For that the inputs are kept: commands, and messages to plugins. Other changes from
+outside, such as spawns, are not repeated; a state is kept after each.
 """
 
 import pickle
-import time
 import zlib
-from dataclasses import dataclass, field
-from functools import wraps
-from typing import Any, Callable, List, Optional, Tuple
+from contextlib import suppress
+from io import BytesIO
+from time import monotonic
+from typing import Any, Iterable, Iterator, List, NamedTuple, Optional, Tuple, TypeVar
 
 from flatland_server.arguments import shown
 from flatland_server.exceptions import StateError, UsageError
-from flatland_server.simulation.replay import Command, Input, Message, Replay
 from flatland_server.simulation.run import Run
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.transport.local_transport import LocalTransport
+from flatland_server.transport.transport import Recipient, Transport
+
+R = TypeVar("R", bound="RunWithHistory")
 
 SHARE_OF_VIEWERS = 0.05
 """The largest part of the real time that a server or viewer spends on keeping states."""
 
-_MOST_INPUTS = 100
-"""As many inputs are packed at once."""
-_INPUT_SIZE = 300
-"""Bytes of an input that is not packed yet, roughly."""
+_PART_SIZE = 50_000
+"""Bytes of inputs that are compressed at once, roughly."""
 
 
-@dataclass
-class _Moment:
+class _Entry(NamedTuple):
     nanoseconds: int
-    state: bytes
-    """Compressed."""
-    is_needed: bool
-    """True if no replay leads from the moment before to this one."""
-    packed: List[bytes] = field(default_factory=list)
-    """The inputs until the next moment, except for those of a last moment: pickled."""
+    data: bytes
+    """Compressed: a state, or inputs since the entry before."""
+    is_state: bool
+    is_needed: bool = False
+    """True for a state that cannot be computed from the one before."""
 
-    @property
-    def size(self) -> int:
-        return len(self.state) + sum(map(len, self.packed))
 
-    def pack(self, inputs: List[Input]) -> None:
-        if inputs:
-            self.packed.append(zlib.compress(pickle.dumps(inputs, pickle.HIGHEST_PROTOCOL), 1))
-
-    def unpacked(self) -> List[Input]:
-        return [each for part in self.packed for each in pickle.loads(zlib.decompress(part))]
+_Input = Tuple[int, Recipient, Any]
+"""Simulated time [ns], recipient, and message or values of the command."""
 
 
 class History:
@@ -73,28 +66,21 @@ class History:
         for value, what in ((interval, "an interval"), (memory, "a memory"), (share, "a share")):
             if not (isinstance(value, (int, float)) and value > 0):
                 raise UsageError(f"expected {what} above 0, found {shown(value)}")
-        self._run = run
-        self._timekeeper = run.timekeeper
+        self._run, self._timekeeper = run, run.timekeeper
         self._interval = round(interval * 1e9)
         self._memory, self._share = memory, share
-        self._moments: List[_Moment] = []
-        self._size = 0
-        self._inputs: List[Input] = []  # since the last moment, or since a moment was sought
-        self._sought: Optional[int] = None  # the index of the moment before, while in the past
-        self._replay: Optional[Replay] = None
-        self._problem: Optional[StateError] = None
-        self._is_seeking = False
-        self._changes: Tuple[object, int] = (None, 0)
-        self._due = 0  # simulated time of the next state [ns]
-        self._may_keep = 0.0  # real time from which on it may be kept [s]
+        self._entries: List[_Entry] = []  # up to the last moment, or to one that was sought
+        self._whole: List[_Entry] = []  # up to the last moment, while in the past
+        self._inputs = bytearray()  # since the last entry, pickled one after the other
+        self._seen: Optional[Tuple[object, int]] = None  # `_changes` at the last entry
+        self._twin: Optional[_Twin] = None
         self.restart()
         if self._problem is not None:
             raise self._problem
         self.is_open = True
         run.after_step.append(self._follow)
-        run.after_jump.append(self._on_jump)
-        run.transport.on_message = self._note_message
-        run.world.plugin_revision.change()  # handles of drives note commands from now on
+        run.after_jump.append(self.restart)
+        run.transport.on_input = self._note
 
     @property
     def span(self) -> Tuple[int, int]:
@@ -103,10 +89,8 @@ class History:
         The last one is the present, unless an earlier one was sought.
         """
         now = self._timekeeper.nanoseconds
-        if not self._moments:
-            return now, now
-        last = self._moments[-1].nanoseconds if self.is_in_past else now
-        return self._moments[0].nanoseconds, last
+        begin = self._entries[0].nanoseconds if self._entries else now
+        return begin, self._whole[-1].nanoseconds if self._whole else now
 
     @property
     def begin(self) -> float:
@@ -121,12 +105,12 @@ class History:
     @property
     def size(self) -> int:
         """The memory that it needs for states and inputs [bytes], without Python's objects."""
-        return self._size + _INPUT_SIZE * len(self._inputs)
+        return self._size + len(self._inputs)
 
     @property
     def is_in_past(self) -> bool:
         """True if an earlier moment was sought, and the run has not gone on from there."""
-        return self._sought is not None
+        return bool(self._whole)
 
     def seek(self, time: float) -> None:
         """Puts the run into its state at a time; see `RunWithHistory.seek`.
@@ -138,177 +122,133 @@ class History:
             UsageError: the time is no number, or not within these.
             StateError: the states could not be kept, or do not fit.
         """
-        self._require_states()
+        now, has_changed = self._timekeeper.nanoseconds, self._seen != self._changes
+        last_state = [each.nanoseconds for each in self._entries[-1:] if each.is_state]
+        if not self._whole and (has_changed or self._inputs or last_state != [now]):
+            self._keep(has_changed)  # the present, to be able to come back
+        if not self._entries:
+            raise StateError(f"there is no history: {self._problem}")
         target = self._step_at(time)
-        if not self.is_in_past:
-            if target == self._timekeeper.nanoseconds:
-                return
-            self._keep_present()  # to be able to come back
-            self._require_states()
-        moments = self._moments
-        index = next(i for i in reversed(range(len(moments))) if moments[i].nanoseconds <= target)
-        state = self._state_at(index, target)
-        self._is_seeking = True
+        if target == now and not self._whole:
+            return
+        whole = self._whole or self._entries
+        states = [index for index, each in enumerate(whole) if each.is_state]
+        begin = max(index for index in states if whole[index].nanoseconds <= target)
+        end = next((index for index in states if index > begin), len(whole))
+        state = self._state_at(target, *whole[begin:end])
+        self._run.after_jump.remove(self.restart)
         try:
             self._run.load_state(state)
         finally:
-            self._is_seeking = False
-        is_last = index == len(moments) - 1
-        self._sought = None if is_last else index
-        self._inputs = []
-        self._note_changes()
+            self._run.after_jump.append(self.restart)
+        self._inputs.clear()
+        self._seen, self._due = self._changes, target + self._interval
+        if begin == states[-1]:
+            self._whole = []
+            self._set(whole)
+        else:  # its parts may have later inputs, too, but nothing later is computed from them
+            self._whole = whole
+            self._set(whole[: end if whole[begin].nanoseconds < target else begin])
+            self._add(state, is_state=True, is_needed=True)
 
-    def recorded(
-        self, model: str, plugin: str, command: Callable[..., None]
-    ) -> Callable[..., None]:
-        """The command of a plugin, as one that is noted here.
-
-        Args:
-            model: the name of the plugin's model.
-            plugin: the name of the plugin.
-            command: its method.
-        """
-
-        @wraps(command)
-        def noted(*values: Any) -> None:
-            command(*values)
-            self._note(Command(model, plugin, values))
-
-        return noted
+    def restart(self) -> None:
+        """Forgets all moments, and begins with the present one."""
+        self._forget()
+        self._keep(is_needed=True)
 
     def close(self) -> None:
         """Forgets all states; the run goes on without a history."""
         if self.is_open:
             self.is_open = False
-            run = self._run
-            run.after_step.remove(self._follow)
-            run.after_jump.remove(self._on_jump)
-            if run.transport.on_message == self._note_message:  # not that of a later history
-                run.transport.on_message = None
-            run.world.plugin_revision.change()
+            self._run.after_step.remove(self._follow)
+            self._run.after_jump.remove(self.restart)
+            if self._run.transport.on_input == self._note:  # not that of a later history
+                self._run.transport.on_input = None
         self._forget()
 
     # What happens to the run
 
-    def _note_message(self, topic: str, message: Any) -> None:
-        self._note(Message(topic, message))
-
-    def _note(self, event: Any) -> None:
-        self._inputs.append((self._timekeeper.nanoseconds, event))
-        if len(self._inputs) >= _MOST_INPUTS and self._moments and not self.is_in_past:
-            self._pack_inputs()
+    def _note(self, recipient: Recipient, value: Any) -> None:
+        """Keeps an input as it is now: its sender may change the object later."""
+        try:
+            self._inputs += pickle.dumps((self._timekeeper.nanoseconds, recipient, value), 4)
+        except Exception:  # it cannot be repeated, so a state is kept after the next step
+            self._seen = None
+        if len(self._inputs) > _PART_SIZE:
+            self._pack()
+            self._limit_memory()
 
     def _follow(self) -> None:
         """Keeps a state if one is due; called after each step."""
-        if self._sought is not None:
-            self._go_on(self._sought)
-        has_changed = self._has_changed()
+        self._whole = []  # what came later is forgotten, if the run goes on from the past
+        has_changed, late = self._seen != self._changes, self._timekeeper.nanoseconds - self._due
         if not has_changed:
-            if self._timekeeper.nanoseconds < self._due:
+            if late < 0 or monotonic() < self._next:
                 return
-            if self._share < 1.0 and time.monotonic() < self._may_keep:
-                return
-            if self._run.transport.has_to_deliver and self._timekeeper.nanoseconds < (
-                self._due + self._interval
-            ):
+            if late < self._interval and self._run.transport.has_to_deliver:
                 return  # states have no messages that are on their way
-        self._keep(is_needed=has_changed)
-        if self._size > self._memory:
-            self._shrink()
+        self._keep(has_changed or not self._entries)
+        self._limit_memory()
 
-    def _on_jump(self) -> None:
-        if not self._is_seeking:
-            self.restart()
-
-    def _has_changed(self) -> bool:
+    @property
+    def _changes(self) -> Tuple[object, int]:
+        """Another value after each change of the world from outside."""
         deferred = self._run.world.contents.deferred
-        return self._changes != (deferred, deferred.revision)
+        return deferred, deferred.revision
 
-    def _note_changes(self) -> None:
-        deferred = self._run.world.contents.deferred
-        self._changes = (deferred, deferred.revision)
-
-    # Moments
-
-    def restart(self) -> None:
-        """Forgets all moments, and begins with the present one."""
-        self._forget()
-        self._problem = None
-        self._keep(is_needed=True)
-
-    def _forget(self) -> None:
-        if self._replay is not None:
-            self._replay.close()
-        self._replay = None
-        self._moments, self._inputs, self._size, self._sought = [], [], 0, None
+    # Entries
 
     def _keep(self, is_needed: bool) -> None:
         """Keeps the present state."""
-        begin = time.monotonic()
-        self._note_changes()
-        self._due = self._timekeeper.nanoseconds + self._interval
+        begin, now = monotonic(), self._timekeeper.nanoseconds
         try:
-            state = zlib.compress(self._run.save_state(), 1)
+            state = self._run.save_state()
         except StateError as error:  # as after the spawn of a model without a file
-            self._forget()
-            self._problem = error
+            self._forget(error)
+        else:
+            self._pack()
+            self._add(state, is_state=True, is_needed=is_needed)
+        self._seen, self._due = self._changes, now + self._interval
+        self._next = begin + (monotonic() - begin) / self._share
+
+    def _pack(self) -> None:
+        if self._inputs and self._entries:
+            self._add(bytes(self._inputs), is_state=False)
+        self._inputs.clear()
+
+    def _add(self, data: bytes, is_state: bool, is_needed: bool = False) -> None:
+        now, compressed = self._timekeeper.nanoseconds, zlib.compress(data, 1)
+        self._entries.append(_Entry(now, compressed, is_state, is_needed))
+        self._size += len(compressed)
+
+    def _limit_memory(self) -> None:
+        """Drops every second state if they fill the memory; the oldest moments if inputs do."""
+        if self._size <= self._memory:
             return
-        self._problem = None
-        if self._moments:
-            self._pack_inputs()
-        moment = _Moment(self._timekeeper.nanoseconds, state, is_needed or not self._moments)
-        self._moments.append(moment)
-        self._size += moment.size
-        end = time.monotonic()
-        self._may_keep = end + (end - begin) / self._share
-
-    def _keep_present(self) -> None:
-        """Keeps the present state, unless the last moment has it."""
-        has_changed, last = self._has_changed(), self._moments[-1].nanoseconds
-        if has_changed or self._inputs or last != self._timekeeper.nanoseconds:
-            self._keep(is_needed=has_changed)
-
-    def _pack_inputs(self) -> None:
-        last = self._moments[-1]
-        self._size -= last.size
-        last.pack(self._inputs)
-        self._size += last.size
-        self._inputs = []
-
-    def _go_on(self, index: int) -> None:
-        """Drops what came after the moment that was sought: the run goes on from there."""
-        begun = self._timekeeper.nanoseconds - self._timekeeper.step_nanoseconds
-        self._sought = None
-        del self._moments[index + 1 :]
-        last = self._moments[-1]
-        earlier = [each for each in last.unpacked() if each[0] <= begun]
-        last.packed.clear()
-        self._size = sum(moment.size for moment in self._moments)
-        self._inputs = earlier + self._inputs
-        self._due = last.nanoseconds + self._interval
-
-    def _shrink(self) -> None:
-        """Drops every second moment; or the oldest ones, if inputs need most of the memory."""
-        moments = self._moments
-        if sum(len(moment.state) for moment in moments) > self._memory / 2:
-            thinned = [moments[0]]
-            for index, moment in enumerate(moments[1:-1], 1):
-                if moment.is_needed or index % 2 == 0:
-                    thinned.append(moment)
-                else:
-                    thinned[-1].packed += moment.packed
-            moments = [*thinned, moments[-1]]
+        computable = [each for each in self._entries if each.is_state and not each.is_needed]
+        if sum(len(each.data) for each in computable) > self._memory / 2:
+            dropped = set(computable[1::2])
+            self._set([each for each in self._entries if each not in dropped])
             self._interval *= 2
-        if sum(moment.size for moment in moments) > self._memory * 3 / 4:
-            moments = moments[max(1, len(moments) // 4) :] or moments[-1:]
-        self._moments = moments
-        self._size = sum(moment.size for moment in moments)
+        states = [index for index, each in enumerate(self._entries) if each.is_state]
+        if self._size > self._memory and len(states) > 1:
+            self._set(self._entries[states[(len(states) + 3) // 4] :])
+        elif self._size > self._memory and len(self._entries) > 1:  # as in a long pause
+            self._forget()
+
+    def _set(self, entries: List[_Entry]) -> None:
+        self._entries = entries
+        self._size = sum(len(each.data) for each in entries)
+
+    def _forget(self, problem: Optional[StateError] = None) -> None:
+        if self._twin is not None:
+            self._twin.close()
+        self._twin, self._problem, self._whole = None, problem, []
+        self._inputs.clear()
+        self._set([])
+        self._due, self._next = 0, 0.0  # simulated [ns] and real time [s] of the next state
 
     # Times
-
-    def _require_states(self) -> None:
-        if self._problem is not None:
-            raise StateError(f"there is no history: {self._problem}")
 
     def _step_at(self, seconds: float) -> int:
         """The time of the step that is nearest to a time [ns].
@@ -318,23 +258,130 @@ class History:
         """
         (first, last), step = self.span, self._timekeeper.step_nanoseconds
         try:
-            count = round((float(seconds) * 1e9 - first) / step)
+            index = round((float(seconds) * 1e9 - first) / step)
         except (TypeError, ValueError, OverflowError):
-            count = -1
-        if not 0 <= count * step <= last - first:
+            index = -1
+        if not 0 <= index * step <= last - first:
             raise UsageError(
                 f"expected a time from {self.begin:.10g} to {self.end:.10g} s, which the history "
                 f"has, found {shown(seconds)}"
             )
-        return first + count * step
+        return first + index * step
 
-    def _state_at(self, index: int, target: int) -> bytes:
-        """The state at a time, by a replay from the moment before, if need be."""
-        moment = self._moments[index]
-        state = zlib.decompress(moment.state)
-        inputs = [each for each in moment.unpacked() if each[0] <= target]
-        if moment.nanoseconds == target and not inputs:
+    def _state_at(self, target: int, before: _Entry, *parts: _Entry) -> bytes:
+        """The state at a time [ns], from the one before and the inputs since."""
+        state = zlib.decompress(before.data)
+        inputs = [each for each in _inputs_in(parts) if each[0] <= target]
+        if before.nanoseconds == target and not inputs:
             return state
-        if self._replay is None:
-            self._replay = Replay(self._run)
-        return self._replay.state_at(target, state, inputs)
+        if self._twin is None:
+            world = self._run.world.twin(_TwinTransport(self._run.transport))
+            self._twin = _Twin(world, Timekeeper(self._run.step_size))
+        return self._twin.repeat(state, inputs, target)
+
+
+def _inputs_in(parts: Iterable[_Entry]) -> Iterator[_Input]:
+    stream = BytesIO(b"".join(zlib.decompress(part.data) for part in parts))
+    with suppress(EOFError):
+        while True:
+            yield pickle.load(stream)
+
+
+class _Twin(Run):
+    """A second world of the files of a run, without subscribers."""
+
+    transport: LocalTransport
+
+    def repeat(self, state: bytes, inputs: Iterable[_Input], until: int) -> bytes:
+        """The state at a time [ns], from an earlier one and the inputs since."""
+        self.load_state(state)
+        for nanoseconds, recipient, value in inputs:
+            self._step_to(nanoseconds)
+            if isinstance(recipient, str):
+                self.transport.send(recipient, value)
+                self.transport.process()
+            elif (plugin := self.world.plugins_of(recipient[0]).get(recipient[1])) is not None:
+                plugin.command(*value)  # type: ignore[attr-defined] # else it was switched off
+        self._step_to(until)
+        return self.save_state()
+
+    def _step_to(self, nanoseconds: int) -> None:
+        steps = (nanoseconds - self.timekeeper.nanoseconds) // self.timekeeper.step_nanoseconds
+        if steps:
+            self.step(steps)
+
+
+class _TwinTransport(LocalTransport):
+    """Has the names and parameters of another transport, and no subscribers but plugins."""
+
+    def __init__(self, original: Transport) -> None:
+        super().__init__({}, ())
+        self._original = original
+        self.tf_by_namespace = original.tf_by_namespace
+        # Over ROS, what a plugin publishes comes back to others as an input.
+        self._is_delivering = isinstance(original, LocalTransport)
+
+    @property
+    def node_name(self) -> str:
+        return self._original.node_name
+
+    def resolve(self, name: str) -> str:
+        return self._original.resolve(name)
+
+    def get_param(self, name: str, default: Any = None) -> Any:
+        return self._original.get_param(name, default)
+
+
+class RunWithHistory(Run):
+    """A run in which time can be sought, once it keeps states; until then it is as any other.
+
+    Args: those of `Run`.
+    """
+
+    _history: Optional[History] = None
+
+    @property
+    def history(self) -> Optional[History]:
+        """The states that are kept for `seek`, if any."""
+        return self._history if self._history is not None and self._history.is_open else None
+
+    def keep_history(
+        self, interval: float = 1.0, memory: int = 64_000_000, share: float = 1.0
+    ) -> History:
+        """Begins to keep states of the run as it goes, for `seek`; replaces a former history.
+
+        Args:
+            interval: as for `History`.
+            memory: as for `History`.
+            share: as for `History`.
+        """
+        self.require_open()
+        history = History(self, interval, memory, share)
+        if self.history is not None:
+            self.history.close()
+        self._history = history
+        return history
+
+    def seek(self: R, time: float) -> R:
+        """Puts the run into its state at another time, bit for bit, and returns this run.
+
+        Once it goes on from there, what came later is forgotten. See `load_state`.
+
+        Args:
+            time: since `keep_history` was called [s]; the nearest step.
+
+        Raises:
+            FlatlandError: the history does not have this time, or a step is being made.
+        """
+        self.require_open()
+        self.world.require_between_steps("seek")
+        if self.history is None:
+            raise UsageError("expected keep_history() before the steps to which seek goes back")
+        self.history.seek(time)
+        return self
+
+    def close(self) -> None:
+        """Stops all plugins. Later calls raise a UsageError; poses may still be read."""
+        if self.history is not None:
+            self.history.close()
+        super().close()

@@ -59,6 +59,11 @@ class Pacer:
         starts = list(self._step_starts)
         return [later - earlier for earlier, later in zip(starts, starts[1:])]
 
+    @property
+    def lateness(self) -> float:
+        """Real time since the present step was due [s]."""
+        return self._clock() - self._last_due
+
     def start(self, simulated_time: float) -> None:
         """Begins a run: the first step is due now.
 

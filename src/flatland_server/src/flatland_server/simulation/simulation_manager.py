@@ -5,11 +5,12 @@ import time
 from concurrent.futures import Future
 from typing import Callable, List, Optional, Sequence
 
-from flatland_server.exceptions import FlatlandError
+from flatland_server.exceptions import FlatlandError, UsageError
 from flatland_server.simulation.command_wait import CommandWait
+from flatland_server.simulation.history import RunWithHistory
 from flatland_server.simulation.pacer import Pacer
-from flatland_server.simulation.run_with_history import RunWithHistory
 from flatland_server.simulation.step_request import StepRequest
+from flatland_server.simulation.wall_timekeeper import WallPacer, WallTimekeeper
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 
@@ -22,14 +23,14 @@ class SimulationManager(RunWithHistory):
 
     Args:
         world: to step.
-        timekeeper: counts the simulated time.
+        timekeeper: counts the simulated time; a `WallTimekeeper` allows no rate but real time.
         update_rate: steps per second of real time; infinity is as fast as the machine can.
         command_age: simulated time after a command from which on time stands still until the next
             one comes [s]; see `CommandWait`. Infinity: never.
         clock: returns the real time [s].
 
     Raises:
-        ValueError: the rate is not above zero.
+        ValueError: the rate is not above zero, or not that of real time though stamps are.
     """
 
     def __init__(
@@ -44,6 +45,9 @@ class SimulationManager(RunWithHistory):
         if not update_rate > 0:
             raise ValueError(f"expected an update rate above 0 Hz, found {update_rate}")
         super().__init__(world, timekeeper)
+        self._pacer = Pacer(clock)
+        if isinstance(timekeeper, WallTimekeeper):
+            self._pacer = WallPacer(timekeeper, clock)
         self.change_rate(update_rate * timekeeper.step_size)
         self.is_paused = False
         self.is_held = False
@@ -57,7 +61,6 @@ class SimulationManager(RunWithHistory):
         if math.isfinite(command_age):
             steps = max(1, round(command_age / timekeeper.step_size))
             self._command_wait = CommandWait(world.transport.arrivals, steps, clock)
-        self._pacer = Pacer(clock)
         self.after_jump.append(lambda: self._pacer.start(self.timekeeper.seconds))
         self._request: Optional[StepRequest] = None
 
@@ -84,10 +87,14 @@ class SimulationManager(RunWithHistory):
                 machine can.
 
         Raises:
-            ValueError: the rate is not above zero.
+            ValueError: the rate is not above zero, or not 1 though stamps are of real time.
         """
         if not rate > 0:
             raise ValueError(f"expected a rate above 0, found {rate}")
+        if isinstance(self._pacer, WallPacer) and not math.isclose(rate, 1.0, rel_tol=1e-6):
+            raise UsageError(
+                f"expected a rate of 1, since messages are stamped with real time, found {rate:g}"
+            )
         self.update_rate = rate / self.timekeeper.step_size
 
     def pause(self) -> None:

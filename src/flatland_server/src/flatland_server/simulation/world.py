@@ -40,6 +40,7 @@ from flatland_server.simulation import plugin_state
 from flatland_server.simulation.load_warnings import warn_of_sensors, warn_of_traps
 from flatland_server.simulation.world_config import ModelEntry, ModelSource, WorldConfig
 from flatland_server.simulation.world_contents import WorldContents
+from flatland_server.transport.frame_registry import OdometryFrame
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.node import Node
 from flatland_server.transport.transport import Transport
@@ -460,7 +461,6 @@ class World:
         former.discard()
         self.contents = new
         self.transport.discard()
-        new.keep_layers_of(former)
 
     def close(self) -> None:
         """Stops all plugins. Changes that they request meanwhile are dropped."""
@@ -474,7 +474,7 @@ class World:
         return self.contents.plugins.topics
 
     @property
-    def odometry_frames(self) -> Set[str]:
+    def odometry_frames(self) -> Set[OdometryFrame]:
         """The frames from which drives publish transforms to their bodies, such as "odom"."""
         return self.contents.plugins.odometry_frames
 

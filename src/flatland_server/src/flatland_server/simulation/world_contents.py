@@ -54,14 +54,8 @@ class WorldContents:
     ) -> None:
         self.config = config = config.for_seed(seed)
         self.seed = seed
-        # A world in which there are the layers already, for the next reset.
-        self._spare: Optional[_core.World] = None
-        self._remembers_layers = former is not None
-        if former is not None and former.config is config and former._spare is not None:
-            self.physics, former._spare = former._spare, None
-            self._remembers_layers = False  # it does already
-        else:
-            self.physics = self._empty_physics()
+        self.physics = _core.World(config.velocity_iterations, config.position_iterations)
+        self._tf_by_namespace = transport.tf_by_namespace
         self.entities = Entities()
         self.models: Dict[str, Model] = {}
         self.layers: List[Layer] = []
@@ -93,24 +87,9 @@ class WorldContents:
     def _add_layers(self) -> None:
         walls = [self.config.walls_of(layer) for layer in self.config.layers]
         progress = LoadProgress(sum(map(len, walls)))
-        bodies = iter(self.physics.layers)
         for layer, segments in zip(self.config.layers, walls):
-            body = next(bodies, None) if len(segments) else None
-            self.layers.append(
-                Layer(layer, segments, self.physics, self.entities, progress.update, body)
-            )
+            self.layers.append(Layer(layer, segments, self.physics, self.entities, progress.update))
             progress.layer_is_complete(len(segments))
-        if self._remembers_layers:
-            self.physics.remember_layers()
-
-    def keep_layers_of(self, former: "WorldContents") -> None:
-        """Keeps the layers of contents that were discarded, for the next reset of these."""
-        spare = self._empty_physics()
-        if spare.take_layers(former.physics, self.physics):
-            self._spare = spare
-
-    def _empty_physics(self) -> _core.World:
-        return _core.World(self.config.velocity_iterations, self.config.position_iterations)
 
     def check_name_is_free(self, name: str) -> None:
         """Raises a ModelError if there is a model of this name."""
@@ -135,6 +114,7 @@ class WorldContents:
             self.config.registry,
             self.entities,
             self.deferred.change_shapes,
+            self._tf_by_namespace,
         )
         self.models[name] = model
         with self.deferred.changing(name):

@@ -1,9 +1,13 @@
 """The plugins that publish each frame."""
 
 from typing import Callable, Dict, List, Set, Tuple
+from weakref import WeakValueDictionary
 
 from flatland_server.config.ros_names import FRAME, is_frame
 from flatland_server.exceptions import TopicError, shortened
+
+OdometryFrame = Tuple[str, str]
+"""The namespace of the transforms, empty for `/tf`; and the frame."""
 
 Warn = Callable[[str], None]
 """Logs a warning at the place of a plugin in its file, once."""
@@ -14,6 +18,9 @@ class FrameRegistry:
 
     TF is a tree: a frame with two publishers would jump between their poses. And if two robots
     share a frame of odometry, a localiser that corrects the odometry of one of them moves both.
+
+    With transforms by namespace there is one such tree for each, and the registry of it lives as
+    long as a node that has it.
     """
 
     def __init__(self) -> None:
@@ -24,6 +31,15 @@ class FrameRegistry:
         self._warned: Set[Tuple[str, str]] = set()
         self._odometry: Dict[str, Dict[str, None]] = {}  # publishers by frame, in their order
         self._odometry_of: Dict[str, List[str]] = {}  # the same frames by publisher
+        self._namespaces: WeakValueDictionary[str, FrameRegistry] = WeakValueDictionary()
+
+    def within(self, namespace: str) -> "FrameRegistry":
+        """The registry of a namespace that has transforms of its own.
+
+        Args:
+            namespace: not empty.
+        """
+        return self._namespaces.setdefault(namespace, FrameRegistry())
 
     def claim(self, parent: str, child: str, publisher: str, warn: Warn) -> None:
         """Registers the publisher of a frame; warns once if there is another one already.
@@ -83,9 +99,12 @@ class FrameRegistry:
         )
 
     @property
-    def odometry_frames(self) -> Set[str]:
-        """The frames of odometry in use."""
-        return set(self._odometry)
+    def odometry_frames(self) -> Set[OdometryFrame]:
+        """The frames of odometry in use, those of namespaces included."""
+        frames = {("", frame) for frame in self._odometry}
+        for namespace, registry in list(self._namespaces.items()):
+            frames |= {(namespace, frame) for frame in registry._odometry}
+        return frames
 
     def release(self, publisher: str) -> None:
         """Removes the frames of a publisher."""

@@ -32,7 +32,7 @@ class LocalTransport(Transport):
 
     Attributes:
         transforms: by the name of the child frame.
-        static_transforms: those of /tf_static.
+        static_transforms: those of /tf_static, without a namespace.
         params_read: the parameters that were asked for, by absolute name.
     """
 
@@ -55,9 +55,8 @@ class LocalTransport(Transport):
         self._published: List[Tuple[str, Callable[[Any], None], Any]] = []  # to be delivered
         self._is_delivering = True
         self._taps: Tuple[Tap, ...] = ()
-        self.static_transforms = StaticTransforms(
-            lambda: _LocalPublisher(self, TF_STATIC, True), lambda: self.static_transforms.publish()
-        )
+        self.static_transforms = self._open_static(TF_STATIC)
+        self._statics = {TF_STATIC: self.static_transforms}
 
     def send(self, topic: str, message: Any) -> None:
         """Sends a message to the subscribers of a topic; `process` runs their callbacks.
@@ -90,10 +89,6 @@ class LocalTransport(Transport):
         return message if publisher is not None and publisher.is_latched else None
 
     @property
-    def delivers_own(self) -> bool:
-        return True
-
-    @property
     def topics(self) -> Set[str]:
         """The topics that have a publisher."""
         return set(self._publishers)
@@ -106,9 +101,18 @@ class LocalTransport(Transport):
     def advertise(
         self, topic: str, message_type: Any, *, latch: bool, queue_size: int
     ) -> Publisher:
-        if topic == TF_STATIC:
-            return self.static_transforms.advertise()
-        return _LocalPublisher(self, absolute_name(topic), latch)
+        name = absolute_name(topic)
+        if name.endswith(TF_STATIC):
+            if name not in self._statics:
+                self._statics[name] = self._open_static(name)
+            return self._statics[name].advertise()
+        return _LocalPublisher(self, name, latch)
+
+    def _open_static(self, topic: str) -> StaticTransforms:
+        static = StaticTransforms(
+            lambda: _LocalPublisher(self, topic, True), lambda: static.publish()
+        )
+        return static
 
     def subscribe(
         self, topic: str, message_type: Any, callback: Callable[[Any], None]
@@ -190,12 +194,15 @@ class LocalTransport(Transport):
             topic, message = self._inbox.popleft()
             self.arrivals.note(topic)
             callbacks = list(self._callbacks.get(topic, []))
-            if callbacks and self.on_message is not None:
-                self.on_message(topic, message)
+            if callbacks and self.on_input is not None:
+                self.on_input(topic, message)
             for callback in callbacks:
                 callback(message)
 
     def flush(self) -> None:
+        if self.on_flush:
+            for send in self.on_flush:
+                send()
         if self._published:
             self._deliver()
         self.arrivals.next_step()

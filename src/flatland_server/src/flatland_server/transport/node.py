@@ -6,13 +6,22 @@ program without a ROS master. Callbacks run between steps, on the thread of the 
 
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple
 
+from flatland_server.config.ros_names import namespaced_frame
 from flatland_server.config.yaml_map import warn_once
 from flatland_server.exceptions import PLUGIN_ERRORS, TopicError
 from flatland_server.geometry import Transform
 from flatland_server.messages.message_types import get
-from flatland_server.transport.frame_registry import FrameRegistry
+from flatland_server.transport.frame_registry import FrameRegistry, OdometryFrame
+from flatland_server.transport.namespace_transforms import NamespaceTransforms
+from flatland_server.transport.static_transforms import TOPIC as TF_STATIC
 from flatland_server.transport.topic_registry import TopicRegistry, type_name
-from flatland_server.transport.transport import Frames, Publisher, Subscription, Transport
+from flatland_server.transport.transport import (
+    Frames,
+    Publisher,
+    Subscription,
+    TransformSender,
+    Transport,
+)
 
 __all__ = ["Frames", "Node", "Publisher", "Subscription", "Transport"]
 
@@ -55,6 +64,11 @@ class Node:
         """The plugin: `model/plugin`, or the name of a plugin of the world."""
         self._frames = frames if frames is not None else FrameRegistry()
         self._topics = topics if topics is not None else TopicRegistry(transport)
+        self._own_tf: Optional[NamespaceTransforms] = None
+        if self.namespace and transport.tf_by_namespace:
+            self._own_tf = NamespaceTransforms(transport, self.namespace)
+            self._frames = self._frames.within(self.namespace)
+        self._tf: TransformSender = self._own_tf or transport
         self._publishers: List[Publisher] = []
         self._subscriptions: List[Subscription] = []
         self._used_topics: List[NodeTopic] = []
@@ -74,6 +88,16 @@ class Node:
         """
         joined = "/".join(part for part in (self.namespace, namespace.strip("/")) if part)
         return Node(self._transport, joined, owner, self._frames, self._topics)
+
+    def name_frame(self, frame_id: str) -> str:
+        """The name of a frame within the namespace: `<namespace>_<frame>`.
+
+        Without a namespace, or if each one has transforms of its own, it stays as it is.
+
+        Args:
+            frame_id: without the namespace.
+        """
+        return frame_id if self._own_tf else namespaced_frame(self.namespace, frame_id)
 
     def resolve(self, name: str) -> str:
         """The name of a topic or parameter with the namespace.
@@ -101,6 +125,8 @@ class Node:
                 another plugin has it with another type.
         """
         message_type = _class_of(message_type)
+        if topic == TF_STATIC and self._own_tf:
+            topic = TF_STATIC[1:]
         name = self._named(topic, self._topics.claim_publisher, message_type)
         publisher = self._transport.advertise(
             name, message_type, latch=latch, queue_size=queue_size
@@ -163,7 +189,7 @@ class Node:
     @property
     def transforms_have_subscribers(self) -> bool:
         """True if the topic of transforms has a subscriber."""
-        return self._transport.transforms_have_subscribers
+        return self._tf.transforms_have_subscribers
 
     @property
     def subscriber_revision(self) -> object:
@@ -193,7 +219,7 @@ class Node:
         self._frames.claim_odometry(frame_id, self.owner, self.warn)
 
     @property
-    def odometry_frames(self) -> Set[str]:
+    def odometry_frames(self) -> Set[OdometryFrame]:
         """The frames of odometry in use by all plugins."""
         return self._frames.odometry_frames
 
@@ -220,7 +246,7 @@ class Node:
         """
         for parent, child in names:
             self.claim_frame(parent, child)
-        return self._transport.open_frames(names)
+        return self._tf.open_frames(names)
 
     def send_transform(self, transform: Transform) -> None:
         """Sends a transform, together with all others of the step.
@@ -229,7 +255,7 @@ class Node:
             transform: of one time.
         """
         self._frames.claim(transform.parent, transform.child, self.owner, self.warn)
-        self._transport.send_transform(transform)
+        self._tf.send_transform(transform)
 
     def get_param(self, name: str, default: Any = None) -> Any:
         """The value of a parameter.
@@ -247,6 +273,8 @@ class Node:
             publisher.close()
         for subscription in self._subscriptions:
             subscription.close()
+        if self._own_tf is not None:
+            self._own_tf.close()
         self._publishers.clear()
         self._subscriptions.clear()
         self._used_topics.clear()

@@ -6,7 +6,8 @@ from typing import Dict, Iterable, List, Optional, Sequence, Tuple
 
 from flatland_server._core import BodyMessage, RelativePoses, StepMessage, TransformList
 from flatland_server.geometry import Transform, quaternion
-from flatland_server.transport.node import Frames
+from flatland_server.messages.stamps import stamp_of
+from flatland_server.transport.transport import Frames
 
 _HEADER = struct.Struct("<III")  # seq, secs, nsecs
 _POSE = struct.Struct("<7d")
@@ -24,12 +25,11 @@ class TransformQueue:
 
     def add(self, transform: Transform) -> None:
         """Appends a transform."""
-        seconds, nanoseconds = divmod(transform.nanoseconds, 1_000_000_000)
         pose = transform.pose
         rotation = quaternion(pose.yaw, transform.roll)
         self.list.add(
             1,
-            _HEADER.pack(0, seconds, nanoseconds)
+            _HEADER.pack(0, *stamp_of(transform.nanoseconds))
             + self.names_of(transform.parent, transform.child)
             + _POSE.pack(pose.x, pose.y, 0.0, *rotation),
         )
@@ -68,7 +68,7 @@ class SerializedFrames(Frames):
         if isinstance(poses, RelativePoses):
             self._queue.list.add(len(self._offsets), self._message_of(poses).data(nanoseconds))
             return
-        seconds, rest = divmod(nanoseconds, 1_000_000_000)
+        seconds, rest = stamp_of(nanoseconds)
         data = self._data
         for (stamp, pose), (x, y, yaw) in zip(self._offsets, poses):
             half = yaw / 2

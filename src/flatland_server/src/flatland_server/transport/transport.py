@@ -7,12 +7,15 @@ not use a transport itself but its `Node`, and so runs with either of them.
 
 import math
 from abc import ABC, abstractmethod
-from typing import Any, Callable, Iterable, Optional, Sequence, Tuple
+from typing import Any, Callable, Iterable, List, Optional, Sequence, Tuple, Union
 
 from flatland_server._core import BodyMessage, RelativePoses, StepMessage
 from flatland_server.geometry import Pose, Transform
 from flatland_server.transport.arrivals import Arrivals
 from flatland_server.transport.message_writer import MessageWriter
+
+Recipient = Union[str, Tuple[str, str]]
+"""A topic with subscribers, or a plugin: the name of its model, and its own."""
 
 
 class Publisher(ABC):
@@ -70,12 +73,12 @@ class Frames:
     """Frames with transforms that are sent together; the parent of each stays the same.
 
     Args:
-        transport: sends the transforms.
+        sender: sends the transforms.
         names: the parent and the child of each frame.
     """
 
-    def __init__(self, transport: "Transport", names: Sequence[Tuple[str, str]]) -> None:
-        self._transport = transport
+    def __init__(self, sender: "TransformSender", names: Sequence[Tuple[str, str]]) -> None:
+        self._sender = sender
         self._names = names
 
     def send(self, nanoseconds: int, poses: Iterable[Tuple[float, float, float]]) -> None:
@@ -87,7 +90,7 @@ class Frames:
                 read and written by the core, at a fifth of the cost.
         """
         for (parent, child), pose in zip(self._names, poses):
-            self._transport.send_transform(Transform(nanoseconds, parent, child, Pose(*pose)))
+            self._sender.send_transform(Transform(nanoseconds, parent, child, Pose(*pose)))
 
     def step_message(self, poses: RelativePoses) -> Optional[StepMessage]:
         """The transforms as a message that the core writes at each step.
@@ -101,15 +104,45 @@ class Frames:
         return None
 
 
-class Transport(ABC):
+class TransformSender(ABC):
+    """Sends transforms to one topic: a transport to `/tf`."""
+
+    @property
+    @abstractmethod
+    def transforms_have_subscribers(self) -> bool:
+        """True if the topic of transforms has a subscriber."""
+
+    @abstractmethod
+    def send_transform(self, transform: Transform) -> None:
+        """Adds a transform to those of the present step; the transport's `flush` sends them.
+
+        Args:
+            transform: of one time.
+        """
+
+    def open_frames(self, names: Sequence[Tuple[str, str]]) -> Frames:
+        """Prepares to send the transforms of frames.
+
+        Args:
+            names: the parent and the child of each frame.
+        """
+        return Frames(self, names)
+
+
+class Transport(TransformSender):
     """Carries topics, transforms and parameters. All names include their namespace.
 
     Attributes:
+        tf_by_namespace: whether each namespace of models has transforms of its own, on the topics
+            `<namespace>/tf` and `<namespace>/tf_static`, and frames without the namespace. To be
+            set before a world is loaded.
         activity: counts messages to be delivered, and changes of subscribers. While it stays the
             same, `process` and `flush` have nothing to do. NaN, which equals nothing, if a
             transport does not know.
         arrivals: the subscriptions with a message since the last step.
-        on_message: called before plugins get a message from outside, with its topic, if set.
+        on_input: if set, called with what comes to plugins from outside: a topic and a message, or
+            the names of a model and its plugin and the values of a command.
+        on_flush: called by `flush`, to publish what plugins have collected in the step.
         returns_on_arrival: whether `process` returns once callbacks have run, instead of waiting
             for its timeout.
     """
@@ -117,12 +150,14 @@ class Transport(ABC):
     def __init__(self) -> None:
         self.activity = math.nan
         self.arrivals = Arrivals()
-        self.on_message: Optional[Callable[[str, Any], None]] = None
+        self.on_input: Optional[Callable[[Recipient, Any], None]] = None
+        self.on_flush: List[Callable[[], None]] = []
         self.returns_on_arrival = False
+        self.tf_by_namespace = False
 
     @property
-    def delivers_own(self) -> bool:
-        """True if plugins get the messages of other plugins at once, and not from outside."""
+    def sends_bytes(self) -> bool:
+        """True if messages leave as bytes, which the core may write; each step ends by a flush."""
         return False
 
     @property
@@ -164,11 +199,6 @@ class Transport(ABC):
         """
 
     @property
-    @abstractmethod
-    def transforms_have_subscribers(self) -> bool:
-        """True if the topic of transforms has a subscriber."""
-
-    @property
     def subscriber_revision(self) -> object:
         """A value that changes whenever a topic gets or loses a subscriber.
 
@@ -180,22 +210,6 @@ class Transport(ABC):
     def has_to_deliver(self) -> bool:
         """True if `flush` has to run callbacks after the next step."""
         return False
-
-    @abstractmethod
-    def send_transform(self, transform: Transform) -> None:
-        """Adds a transform to those of the present step; `flush` sends them.
-
-        Args:
-            transform: of one time.
-        """
-
-    def open_frames(self, names: Sequence[Tuple[str, str]]) -> Frames:
-        """Prepares to send the transforms of frames.
-
-        Args:
-            names: the parent and the child of each frame.
-        """
-        return Frames(self, names)
 
     @abstractmethod
     def get_param(self, name: str, default: Any = None) -> Any:
@@ -221,8 +235,8 @@ class Transport(ABC):
     def flush(self) -> None:
         """Sends what was collected during the step, and resets the count of arrivals."""
 
-    def release(self) -> None:  # noqa: B027 (nothing to do if messages are not sent)
+    def release(self) -> None:
         """Sends the messages that were held back."""
 
-    def discard(self) -> None:  # noqa: B027 (nothing to do if subscriptions drop them)
+    def discard(self) -> None:
         """Drops the remains of the former world, such as messages that are not delivered yet."""
