@@ -103,7 +103,8 @@ bool NearbyWalls::Overlaps(const b2AABB& bounds, Overlap overlap) const {
   walls_->ForEachLeafAt(box, [&](size_t leaf) {
     if (overlaps) return;
     walls_->ForEachWall(leaf, [&](uint32_t index) {
-      overlaps = overlaps || overlap(EdgeOf(walls_->segments()[index]), origin);
+      overlaps = overlap(EdgeOf(walls_->segments()[index]), origin);
+      return !overlaps;
     });
   });
   return overlaps;
