@@ -117,26 +117,18 @@ void Layers::HoldWallsNear(b2World& world, BodyRecord& record, const b2AABB& cen
   const int32 moves = box2d::MoveCount(world);
   for (uint32_t i = 0; i < nearby_.size(); ++i) {
     if ((nearby_[i]->layers() & reach.layers) == 0) continue;
-    nearby_[i]->ForEachBlockAt(box, [&](uint32_t number) {
-      nearby_[i]->Hold(world, number);
-      nearby.blocks.push_back({i, number});
-    });
+    nearby_[i]->ForEachBlockAt(box, [&](uint32_t number) { nearby.blocks.push_back({i, number}); });
   }
+  HoldWallsOf(world, record, std::move(nearby));
   // The body looks for the walls, so that not each of them has to.
   box2d::SkipPairsOfNewFixtures(world, moves);
   box2d::FindPairsAgain(*record.body);
-  ReleaseWallsNear(world, record);
-  record.nearby = std::move(nearby);
 }
 
-void Layers::ReleaseWallsNear(b2World& world, BodyRecord& record) {
-  for (const auto& [layer, number] : record.nearby.blocks) nearby_[layer]->Release(world, number);
-  record.nearby = {};
-}
-
-void Layers::HoldWallsOf(b2World& world, BodyRecord& record, const BodyRecord::Nearby& nearby) {
+void Layers::HoldWallsOf(b2World& world, BodyRecord& record, BodyRecord::Nearby nearby) {
   for (const auto& [layer, number] : nearby.blocks) nearby_[layer]->Hold(world, number);
-  record.nearby = nearby;
+  for (const auto& [layer, number] : record.nearby.blocks) nearby_[layer]->Release(world, number);
+  record.nearby = std::move(nearby);
 }
 
 void Layers::AppendHeldFixtures(std::vector<b2Fixture*>& fixtures) const {

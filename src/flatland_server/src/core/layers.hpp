@@ -59,9 +59,9 @@ class Layers {
   /// The same for those that bodies have come to in the last step, on the way that they have made.
   /// Returns true if Box2D is to look for times of impact with these.
   bool HoldWallsOnTheWay(b2World& world);
-  void ReleaseWallsNear(b2World& world, BodyRecord& record);
-  /// Makes Box2D have the walls that `nearby` names, for a record without any.
-  void HoldWallsOf(b2World& world, BodyRecord& record, const BodyRecord::Nearby& nearby);
+  /// Makes Box2D have the walls that are named, and not those that the record had.
+  void HoldWallsOf(b2World& world, BodyRecord& record, BodyRecord::Nearby nearby);
+  void ReleaseWallsNear(b2World& world, BodyRecord& record) { HoldWallsOf(world, record, {}); }
   /// The fixtures of the walls that Box2D has, in an order that depends on which these are alone.
   void AppendHeldFixtures(std::vector<b2Fixture*>& fixtures) const;
   /// The number of Box2D's bodies for walls near bodies.

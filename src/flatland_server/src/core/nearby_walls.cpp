@@ -95,10 +95,7 @@ const Material& NearbyWalls::GetMaterial(uint32_t wall) const {
 
 void NearbyWalls::SetMaterial(uint32_t wall, const Material& material) {
   changed_[wall] = material;
-  b2Fixture* const fixture = Find(wall);
-  if (fixture == nullptr) return;
-  fixture->SetFriction(material.friction);
-  fixture->SetRestitution(material.restitution);
+  if (b2Fixture* const fixture = Find(wall)) Apply(*fixture);
 }
 
 std::vector<Material> NearbyWalls::GetMaterials() const {
@@ -110,11 +107,21 @@ std::vector<Material> NearbyWalls::GetMaterials() const {
 }
 
 void NearbyWalls::SetMaterials(const std::vector<Material>& materials) {
+  if (materials == GetMaterials()) return;
   changed_.clear();
   if (!materials.empty()) material_ = materials.front();
   for (uint32_t wall = 1; wall < materials.size(); ++wall) {
     if (!(materials[wall] == material_)) changed_[wall] = materials[wall];
   }
+  std::vector<b2Fixture*> fixtures;
+  AppendFixtures(fixtures);
+  for (b2Fixture* const each : fixtures) Apply(*each);
+}
+
+void NearbyWalls::Apply(b2Fixture& wall) const {
+  const Material& material = GetMaterial(static_cast<uint32_t>(wall.GetUserData().pointer));
+  wall.SetFriction(material.friction);
+  wall.SetRestitution(material.restitution);
 }
 
 }  // namespace flatland

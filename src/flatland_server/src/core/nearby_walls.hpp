@@ -82,6 +82,8 @@ class NearbyWalls {
   void SetMaterials(const std::vector<Material>& materials);
 
  private:
+  /// Gives a wall's fixture its material.
+  void Apply(b2Fixture& wall) const;
   /// Where a block is in `held_`, or would be.
   Held::iterator Place(uint32_t number);
 

@@ -134,6 +134,13 @@ void RestoreFixtures(BodyRecord& record, const BodyState& state) {
   }
 }
 
+/// Ends all contacts, without a word to the contact listener.
+void EndContacts(b2World& world) {
+  world.SetContactListener(nullptr);
+  b2ContactManager& manager = box2d::Contacts(world);
+  while (manager.m_contactList != nullptr) manager.Destroy(manager.m_contactList);
+}
+
 /// Makes a contact that is in a state, unless the two cannot collide. It becomes Box2D's newest.
 void MakeContact(b2World& world, b2Fixture& a, b2Fixture& b, const ContactState& state) {
   b2Contact* const contact = box2d::MakeContact(world, a, b);
@@ -422,16 +429,14 @@ void WorldState::RequireSameStill(const World& world) const {
 }
 
 void WorldState::Clear(World& world) {
-  world.world_->SetContactListener(nullptr);
-  b2ContactManager& manager = box2d::Contacts(*world.world_);
-  while (manager.m_contactList != nullptr) manager.Destroy(manager.m_contactList);
+  EndContacts(*world.world_);
   world.bodies_.ForEach(
       [&](auto, BodyRecord& record) { world.layers_->ReleaseWallsNear(*world.world_, record); });
 }
 
 void WorldState::Restore(World& world) const {
   b2World& box2d_world = *world.world_;
-  Clear(world);
+  EndContacts(box2d_world);
   std::vector<BodyRecord*> records;
   world.bodies_.ForEach([&](World::Body handle, BodyRecord& record) {
     const BodyState& state = bodies[records.size()];
