@@ -220,7 +220,7 @@ def test_parameters_are_those_of_the_master(master, bridge):
 
 
 class SilentService:
-    """A service whose server answers the headers of connections, and then nothing."""
+    """A service with a server that answers the headers of connections, and then nothing."""
 
     def __init__(self, master, name):
         self.begun, self.ended = [], []  # calls, by the addresses of their connections

@@ -33,7 +33,7 @@ def check_parameters(client, node):
 
     Args:
         client: of rosbridge.
-        node: the name of the node whose namespace is searched.
+        node: the name of the node with the namespace that is searched.
     """
 
     def put(name, value):
@@ -123,7 +123,7 @@ def test_parameters_of_all_clients_are_limited(client):
 
 
 def check_limit(client):
-    """What clients set takes limited memory, which deleting frees."""
+    """Parameters that clients set take limited memory, which deleting frees."""
     text = json.dumps("x" * (MOST_BYTES // 5))
     names = [f"/many/p{number}" for number in range(5)]
     for name in names[:4]:

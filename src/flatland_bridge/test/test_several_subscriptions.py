@@ -28,7 +28,7 @@ def times_of(client, steps):
 
 
 def received(client):
-    """How many messages of odometry come of 20 steps, whose last is followed by one more /clock."""
+    """Counts the messages of odometry of 20 steps; one more /clock follows the last of them."""
     times = times_of(client, 21)[:-1]
     stamps = [each["msg"]["header"]["stamp"] for each in client.kept if each["op"] == "publish"]
     client.kept.clear()

@@ -1,6 +1,5 @@
 """Services as topics, for transports without services."""
 
-import logging
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Callable, Dict, List, Optional
@@ -8,13 +7,12 @@ from typing import Any, Callable, Dict, List, Optional
 import orjson
 
 from flatland_bridge.budget import Budget
+from flatland_bridge.client_calls import reason_of
 from flatland_bridge.graph import BridgeError, Graph, Receive, Sample, Topics
 from flatland_bridge.plain_form import from_plain, to_plain
-from flatland_server.exceptions import FlatlandError, shortened
+from flatland_server.exceptions import shortened
 from flatland_server.messages.message_types import get
 from flatland_server.messages.service_types import ServiceType
-
-logger = logging.getLogger(__name__)
 
 String = get("std_msgs/String")
 
@@ -99,11 +97,8 @@ class CallTopics(Graph):
             response["result"] = True
         except orjson.JSONDecodeError as error:
             response["values"] = f"expected JSON: {shortened(str(error))}"
-        except FlatlandError as error:
-            response["values"] = str(error)
         except Exception as error:  # the caller would wait for ever
-            logger.exception("%s has failed", response["service"])
-            response["values"] = f"{response['service']} has failed: {shortened(repr(error))}"
+            response["values"] = reason_of(error, str(response["service"]))
         data = orjson.dumps(response, option=orjson.OPT_SERIALIZE_NUMPY).decode()
         sample = Sample(RESPONSES, self.nanoseconds, String, String(data))
         for receive in self._receivers:

@@ -23,7 +23,7 @@ MOST_AT_ONCE = 4
 Answer = Callable[[], Iterable[Data]]
 """Makes a call, on a thread of the pool. Returns what the client is sent."""
 Refuse = Callable[[str], Iterable[Data]]
-"""What the client is sent if its call fails, of the reason."""
+"""Makes what the client is sent if its call fails, out of the reason."""
 
 
 class _Call(NamedTuple):
@@ -49,8 +49,16 @@ def let_the_next_begin() -> None:
         _thread.calls.let_next_begin(_thread.call)
 
 
+def reason_of(error: Exception, service: str) -> str:
+    """Says to a caller why a call has failed; logs what no caller is to blame for."""
+    if isinstance(error, FlatlandError):
+        return str(error)
+    logger.error("%s has failed", service, exc_info=error)
+    return f"{service} has failed: {shortened(repr(error))}"
+
+
 def client_is_gone() -> bool:
-    """True on a thread that makes a call whose client has left: nobody waits for the answer."""
+    """True on a thread that makes a call of a client that has left."""
     return _thread.calls is not None and _thread.calls.is_closed
 
 
@@ -111,11 +119,8 @@ class ClientCalls:
         _thread.calls, _thread.call = self, call
         try:
             return call.answer()
-        except FlatlandError as error:
-            return call.refuse(str(error))
         except Exception as error:  # the client would wait for ever
-            logger.exception("%s has failed", call.service)
-            return call.refuse(f"{call.service} has failed: {shortened(repr(error))}")
+            return call.refuse(reason_of(error, call.service))
         finally:
             _thread.calls = _thread.call = None
 

@@ -35,7 +35,7 @@ class Parameters(ABC):
 
     @abstractmethod
     def names(self) -> List[str]:
-        """The names of all parameters whose values are no dicts."""
+        """The names of all parameters with values other than dicts."""
 
     @abstractmethod
     def search(self, name: str) -> str:
@@ -92,7 +92,7 @@ class LocalParameters(Parameters):
 
     Args:
         values: those of the beginning, by absolute name.
-        node: whose namespace is searched.
+        node: the node with the namespace that is searched.
     """
 
     def __init__(self, values: Mapping[str, Any], node: str) -> None:

@@ -32,7 +32,7 @@ _DECODED = {"{": 64, "[": 56, ",": 8, ".": 24}
 
 
 class _Wish(NamedTuple):
-    """How a part of a client wants the messages of a topic.
+    """A part of a client, and its wish for the messages of a topic.
 
     Attributes:
         compression: one of `COMPRESSIONS`.
@@ -387,7 +387,7 @@ class RosbridgeSession:
 
 
 def _agreed(wishes: Collection[_Wish]) -> Tuple[Encode, float, int]:
-    """How all parts of a client get what they want: the encoding, throttle and length of a stream.
+    """The encoding, throttle and length of a stream that serves all parts of a client.
 
     As rosbridge_suite does it, but with the longest queue, as the protocol says.
     """

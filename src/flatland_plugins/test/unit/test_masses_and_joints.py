@@ -25,7 +25,7 @@ def rig(model, k):
 
 
 def rigging(model):
-    """What `rig` sets."""
+    """The limits, motor and mass that `rig` sets."""
     hinge = model.get_joint("front").physics_joint
     bodies = [body.physics_body for body in model.bodies.values()]
     masses = [(body.mass, body.inertia, body.local_center) for body in bodies]

@@ -96,8 +96,8 @@ void Layers::HoldWallsNearBodies(b2World& world, float dt) {
 }
 
 bool Layers::HoldWallsOnTheWay(b2World& world) {
+  if (nearby_.empty()) return false;
   bool has_come_far = false;
-  if (nearby_.empty()) return has_come_far;
   for (BodyRecord* const record : bodies_.Moving()) {
     const BodyRecord::Nearby& nearby = record->nearby;
     if (!MayReachWalls(*record) || (nearby.is_current && WayOf(*record) <= nearby.room)) continue;

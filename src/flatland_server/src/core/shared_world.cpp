@@ -21,9 +21,10 @@ SharedWorld::SharedWorld(std::unique_ptr<World> world, const std::vector<World::
   beginning_ = WorldState::Of(*world_);
   WorldState::Clear(*world_);
   CollectRanges();
-  empty_.resize(size_);
-  std::byte* to = empty_.data();
-  for (const Range& range : ranges_) to = std::copy_n(BytesOf(range.address), range.size, to);
+  for (const Range& range : ranges_) {
+    std::byte* const begin = BytesOf(range.address);
+    empty_.insert(empty_.end(), begin, begin + range.size);
+  }
 }
 
 void SharedWorld::CollectRanges() {
@@ -63,7 +64,6 @@ void SharedWorld::CollectRanges() {
     });
   });
   JoinRanges();
-  for (const Range& range : ranges_) size_ += range.size;
 }
 
 /// Many objects are neighbours in memory, with padding between them in which no other object fits.

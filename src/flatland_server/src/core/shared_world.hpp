@@ -7,8 +7,7 @@
 ///
 /// Method. There is one World. Before a step, another state takes the place of its present one:
 ///
-/// - What every state has is exchanged byte by byte: Box2D's bodies that may move, with the boxes
-/// of
+/// - What every state has is exchanged byte by byte: Box2D's bodies that may move, the boxes of
 ///   their fixtures, and joints; drives, tweens and crowds. These objects stay at their places, so
 ///   all pointers between them stay right.
 /// - What a state alone has, because Box2D made it in this state, stays where it is: contacts, the
@@ -97,7 +96,6 @@ class SharedWorld {
   std::unique_ptr<World> world_;
   WorldState beginning_;
   std::vector<Range> ranges_;
-  size_t size_ = 0;               // of all ranges
   std::vector<std::byte> empty_;  // the ranges of a state that has nothing of its own
 };
 

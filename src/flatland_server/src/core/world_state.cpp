@@ -402,13 +402,9 @@ void World::RestoreState(std::string_view bytes) {
 }
 
 void WorldState::RequireSameStill(const World& world) const {
-  const std::vector<b2Fixture*> fixtures = FixturesOf(world.bodies_, *world.layers_);
-  std::vector<int32> leaves(fixtures.size(), b2_nullNode);
+  std::vector<int32> leaves(tree.nodes.size());  // by the number of the fixture
   for (int32 leaf = 0; leaf < tree.node_count(); ++leaf) {
-    const SavedTree::Node& node = tree.nodes[leaf];
-    if (node.is_leaf() && static_cast<size_t>(node.child2) < leaves.size()) {
-      leaves[node.child2] = leaf;
-    }
+    if (tree.nodes[leaf].is_leaf()) leaves[tree.nodes[leaf].child2] = leaf;
   }
   size_t i = 0, fixture = 0;
   world.bodies_.ForEach([&](auto, const BodyRecord& record) {

@@ -74,7 +74,7 @@ def read(deserialize, message_type, data):
 
 @pytest.fixture(params=["rospy.msg", "tcpros_base"])
 def deserialize(request, unpatched_rospy):
-    """What rospy reads messages with: calls of services, and all else."""
+    """The functions by which rospy reads messages: of calls of services, and all else."""
     install()
     owner = rospy.msg if request.param == "rospy.msg" else tcpros_base
     return owner.deserialize_messages

@@ -69,7 +69,7 @@ def clock():
 
 @pytest.fixture
 def world(files):
-    """A robot whose scans have noise, in a world on a transport."""
+    """A robot with noise in its scans, in a world on a transport."""
     files.write("robot.model.yaml", ROBOT + LASER)
     path = files.write("world.yaml", WORLD)
     return lambda transport: World.from_file(path, transport)

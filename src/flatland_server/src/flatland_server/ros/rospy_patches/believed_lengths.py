@@ -1,4 +1,4 @@
-"""Messages with arrays of empty items, whose length is checked before anything is made.
+"""Messages with arrays of empty items: their length is checked before anything is made.
 
 rospy reads messages by the code that genpy has made for their types. An array whose items have
 numbers or texts ends with an error when the data end. Items without, as in `std_msgs/Empty[]` or of
@@ -44,7 +44,7 @@ def install() -> Dict[str, Any]:
 
 
 class _Checked:
-    """What rospy takes for a new message, to deserialize it."""
+    """Stands for a new message where rospy deserializes one."""
 
     def __init__(self, message_type: Any) -> None:
         self._type = message_type
