@@ -8,7 +8,6 @@ It reads requests from its input, a JSON object a line, and answers each with a 
                                      opens a room; {"ranges": [[...]]}, the scans
     {"measure": 0.5}                                 runs for so long; {"rate": robot-steps/s}
     {"close": true}
-    {"versions": true}                               {"irsim": "2.12.0", ...}
 
 A rate is per second of this process's processor time, on all of its threads.
 """
@@ -46,11 +45,9 @@ class Worker:
         if "measure" in request:
             self._run(WARM_UP * request["measure"])
             return {"rate": self._run(request["measure"])}
-        if "close" in request:
-            self._room.close()
-            self._room = None
-            return {}
-        return dict(self._rooms.versions())
+        self._room.close()
+        self._room = None
+        return {}
 
     def _run(self, seconds: float) -> float:
         """Steps the room for a time; returns robot-steps per second."""
