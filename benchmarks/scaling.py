@@ -53,7 +53,7 @@ controllers: [{{name: trained, policy: {policy}}}]
 seeds: {count}
 start: random
 goal: random
-step_size: {step_size}
+step_size: 0.005
 control_period: {period}
 """
 ENVIRONMENTS = 64
@@ -94,11 +94,7 @@ def sweep_settings(folder: Path, count: int) -> SweepSettings:
     path = folder / "scenarios.yaml"
     path.write_text(
         SCENARIOS_FILE.format(
-            world=SCENARIOS["discs"].world,
-            policy=POLICY,
-            count=count,
-            step_size=0.005,
-            period=period,
+            world=SCENARIOS["discs"].world, policy=POLICY, count=count, period=period
         )
     )
     return read_scenario_file(path)

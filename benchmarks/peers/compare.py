@@ -46,9 +46,8 @@ class Case(NamedTuple):
 
     def suits(self, simulator: Simulator) -> bool:
         """True if a simulator can run this case."""
-        if self.kind == "batch":
-            return simulator.has_batches
-        return self.robots <= simulator.most_robots
+        is_batch = self.kind == "batch"
+        return simulator.has_batches if is_batch else self.robots <= simulator.most_robots
 
 
 def wrong_share(
@@ -78,19 +77,18 @@ def main(arguments: Optional[List[str]] = None) -> int:
                 for simulator in simulators[first:] + simulators[:first]:
                     if not case.suits(simulator):
                         continue
-                    process = processes[simulator.name]
-                    ranges = process.ask(
-                        open=case.kind,
+                    found = processes[simulator.name].ask(
+                        kind=case.kind,
                         variant=simulator.variant,
                         robots=case.robots,
                         seed=number + 1,
-                    )["ranges"]
+                        seconds=options.seconds,
+                    )
                     if case.robots == 1 or case.kind == "batch":  # exact without other robots
                         layout = Scenario(case.robots, number + 1, rooms=case.robots)
-                        wrong[simulator.name].append(wrong_share(ranges, layout.exact_ranges()))
-                    rate = process.ask(measure=options.seconds)["rate"]
-                    rates[simulator.name, case].append(rate)
-                    process.ask(close=True)
+                        share = wrong_share(found["ranges"], layout.exact_ranges())
+                        wrong[simulator.name].append(share)
+                    rates[simulator.name, case].append(found["rate"])
     except PeerError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1

@@ -129,7 +129,5 @@ def measure(batch: SimulationBatch, substeps: int, rng: np.random.Generator) -> 
 
 def proportional_memory() -> float:
     """Memory of this process [MB]; pages mapped several times count once."""
-    for line in Path("/proc/self/smaps_rollup").read_text().splitlines():
-        if line.startswith("Pss:"):
-            return int(line.split()[1]) / 1024
-    raise RuntimeError("/proc/self/smaps_rollup has no Pss")
+    lines = Path("/proc/self/smaps_rollup").read_text().splitlines()
+    return next(int(line.split()[1]) / 1024 for line in lines if line.startswith("Pss:"))

@@ -80,7 +80,9 @@ def _run(cases: List[Case], options: argparse.Namespace) -> int:
     clones = [Clone(options.base), Clone()] if options.base else [Clone()]
     measured: Dict[str, List[Figures]] = {}
     columns = ("before", "after", "ratio", "beyond spread")
-    print(head("case", "figure", *(columns if options.base else ("median", "least", "most"))))
+    print(
+        head("case", "figure", *(columns if options.base else ("median", "least", "most")), names=2)
+    )
     for case in cases:
         try:
             # In turn, so that other programs affect both clones.
@@ -106,7 +108,7 @@ def _rows(case: str, of_clones: List[List[Figures]]) -> List[str]:
         if before:
             is_beyond = "yes" if is_beyond_spread(before[0], values) else "no"
             change = (median(before[0]), median(values), ratio(before[0], values), is_beyond)
-            rows.append(row(case, name, *change))
+            rows.append(row(case, name, *change, names=2))
         else:
-            rows.append(row(case, name, median(values), min(values), max(values)))
+            rows.append(row(case, name, median(values), min(values), max(values), names=2))
     return rows

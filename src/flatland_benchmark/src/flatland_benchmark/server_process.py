@@ -6,7 +6,6 @@ import sys
 import tempfile
 import time
 import xmlrpc.client
-from functools import lru_cache
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Dict, List, NamedTuple, Optional, Set, Type
@@ -19,7 +18,6 @@ from flatland_server.testing.ports import free_port
 _NAME = "/flatland_benchmark"  # our name in calls to the master
 
 
-@lru_cache(maxsize=None)
 def executable(package: str, node: str) -> str:
     """The file of a package's node; rosrun starts several processes to find it."""
     file: str = find_node(package, node)[0]
@@ -104,8 +102,8 @@ class ServerProcess:
         self._update_rate = update_rate
         self._folder = tempfile.TemporaryDirectory(prefix="flatland_benchmark_")
         self._processes: List[Process] = []
-        port = free_port()
-        self.uri = f"http://127.0.0.1:{port}"
+        self._port = free_port()
+        self.uri = f"http://127.0.0.1:{self._port}"
         """The address of the ROS master."""
         self._master = xmlrpc.client.ServerProxy(self.uri)
         self._environment = {
@@ -116,7 +114,6 @@ class ServerProcess:
             "ROS_LOG_DIR": self._folder.name,
             "XDG_CONFIG_HOME": self._folder.name,
         }
-        self._port = port
 
     def __enter__(self) -> "ServerProcess":
         try:

@@ -3,12 +3,17 @@
 from typing import Union
 
 
-def row(*cells: Union[str, float]) -> str:
-    """A row: texts on the left, and numbers of four digits on the right."""
-    texts = [f"{cell:<26}" if isinstance(cell, str) else f"{cell:>10,.4g}" for cell in cells]
-    return f"| {' | '.join(texts)} |"
+def row(*cells: Union[str, float], names: int = 1) -> str:
+    """A row; its first cells are names, the others are on the right. Numbers have four digits."""
+    texts = (cell if isinstance(cell, str) else _digits(cell) for cell in cells)
+    padded = (f"{text:<26}" if i < names else f"{text:>13}" for i, text in enumerate(texts))
+    return f"| {' | '.join(padded)} |"
 
 
-def head(*cells: str) -> str:
+def _digits(number: float) -> str:
+    return f"{number:,.0f}" if abs(number) >= 1000 else f"{number:.4g}"
+
+
+def head(*cells: str, names: int = 1) -> str:
     """The row of headings, and the line below it."""
-    return f"{row(*cells)}\n|{' --- |' * len(cells)}"
+    return f"{row(*cells, names=names)}\n|{' --- |' * names}{' ---: |' * (len(cells) - names)}"

@@ -43,12 +43,13 @@ def test_a_run_is_printed_and_written(tmp_path, capsys):
 
 
 def test_a_table_is_markdown():
-    text = f"{head('case', 'median')}\n{row('a', 1234.56)}"
+    text = f"{head('case', 'median')}\n{row('a', 216200.4)}\n{row('b', 0.123456)}"
 
     assert [cells(line) for line in text.splitlines()] == [
         ["case", "median"],
-        ["---", "---"],
-        ["a", "1,235"],
+        ["---", "---:"],
+        ["a", "216,200"],
+        ["b", "0.1235"],
     ]
 
 

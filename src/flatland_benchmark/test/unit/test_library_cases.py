@@ -16,8 +16,7 @@ WORLDS = Path(__file__).resolve().parents[3] / "flatland_server" / "worlds"
 def test_figures_of_programs(monkeypatch, name):
     if name.startswith("environment_"):
         pytest.importorskip("gymnasium")
-    for name_of, value in (("_BLOCKS", 1), ("_BLOCKS_OF_ENVIRONMENT", 1)):
-        monkeypatch.setattr(library_cases, name_of, value)
+    monkeypatch.setattr(library_cases, "_BLOCKS", 1)
 
     assert all(value > 0 for value in CASES[name].run(WORLDS).values())
 
