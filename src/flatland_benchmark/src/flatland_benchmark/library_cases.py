@@ -3,7 +3,7 @@
 import time
 from pathlib import Path
 from statistics import median
-from typing import Callable, Dict
+from typing import Any, Callable, Dict
 
 from flatland2d import Simulation, find_robot, world_content
 from flatland_benchmark.case import Figures, case
@@ -64,8 +64,8 @@ def step_environment(worlds: Path, beams: int) -> Figures:
     robot = sim.models[found.model.name]
     drive, lidar = robot.drives[found.drive.name], robot.sensors[found.lidar.name]
     sim.move(robot.name, info["pose"])
-    physics, core_drive = sim.world.physics, found.drive.batch_role.drive.drive
-    core_lidar = found.lidar.batch_role.lidar.lidar
+    roles: Any = found.drive.batch_role, found.lidar.batch_role
+    physics, core_drive, core_lidar = sim.world.physics, roles[0].drive.drive, roles[1].lidar.lidar
 
     def step_core() -> None:
         core_drive.command(0.0, 0.0, 0.5)
