@@ -3,7 +3,8 @@
     usage: training.py [--environments 1024] [--steps 1000000] [--runs 3]
     usage: training.py --robots 8 --world discs --beams 64     # steps of the robots of teams
 
-Needs Flatland and its extra gym. Each run is a process: first one without the files of visible
+Needs Flatland and its extra gym; outside of a workspace, flatland_benchmark is found by
+PYTHONPATH=src/flatland_benchmark/src. Each run is a process: first one without the files of visible
 walls (docs/speed.md), then one with them. CPU seconds are less affected by other programs.
 """
 
@@ -21,6 +22,7 @@ import gymnasium
 import numpy as np
 
 import flatland_gym  # noqa: F401 (registers the environments)
+from flatland_benchmark.tables import head, row
 from flatland_gym.multi_robot_vector_env import MultiRobotVectorEnv
 
 _HELD = 10
@@ -83,10 +85,9 @@ def main() -> None:
                     stdout=subprocess.PIPE,
                 ).stdout
                 found.append(json.loads(output))
-    print("| |", " | ".join(runs), "|\n| --- | --- | --- |")
+    print(head("", *runs))
     for name in runs["first"][0]:
-        values = (f"{median(run[name] for run in found):.4g}" for found in runs.values())
-        print(f"| {name} |", " | ".join(values), "|")
+        print(row(name, *(median(run[name] for run in found) for found in runs.values())))
 
 
 if __name__ == "__main__":
