@@ -13,8 +13,8 @@ from websockets.exceptions import ConnectionClosed
 
 from flatland_bridge.budget import Budgets
 from flatland_bridge.client_calls import MOST_CALLS
-from flatland_bridge.graph import Sample
 from flatland_bridge.outbox import Stream
+from flatland_bridge.sample import Sample
 from flatland_bridge.server import ROSBRIDGE
 from flatland_server.messages.message_types import get
 
