@@ -110,7 +110,7 @@ class Ppo:
         self._log_std = np.full(len(self._limits), _LOG_STD, np.float32)
         parameters = [*self._actor.parameters, *self._critic.parameters, self._log_std]
         self._optimiser = Adam(parameters)
-        self._successes: List[bool] = []
+        self._successes: List[float] = []
         self._observations, _ = env.reset(seed=seed)
         self._scale = Scale(size)
         # A robot alone learns slower with normalised beams: they drown the goal.
@@ -442,7 +442,7 @@ def _rates(result: "Evaluation") -> str:
     return ", ".join(parts)
 
 
-def _number(kind: type, minimum: float) -> Callable[[str], float]:
+def _number(kind: Callable[[str], float], minimum: float) -> Callable[[str], float]:
     """The type of an argument that is a number of a minimum or more."""
 
     def read(text: str) -> float:
