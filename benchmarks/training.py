@@ -3,16 +3,14 @@
     usage: training.py [--environments 1024] [--steps 1000000] [--runs 3]
     usage: training.py --robots 8 --world discs --beams 64     # steps of the robots of teams
 
-Needs Flatland and its extra gym. Each run is a process: first one without the files of visible
-walls (docs/speed.md), then one with them. CPU seconds are less affected by other programs.
+Needs Flatland and its extra gym. Each run is a process. CPU seconds are less affected by other
+programs.
 """
 
 import argparse
 import json
-import os
 import subprocess
 import sys
-import tempfile
 import time
 from statistics import median
 from typing import Dict, List
@@ -72,21 +70,15 @@ def main() -> None:
     if options.one:
         print(json.dumps(measure(options)))
         return
-    runs: Dict[str, List[Dict[str, float]]] = {"first": [], "second": []}
+    runs: List[Dict[str, float]] = []
     for _ in range(options.runs):
-        with tempfile.TemporaryDirectory() as cache:
-            for found in runs.values():
-                output = subprocess.run(
-                    [sys.executable, *sys.argv, "--one"],
-                    env={**os.environ, "XDG_CACHE_HOME": cache},
-                    check=True,
-                    stdout=subprocess.PIPE,
-                ).stdout
-                found.append(json.loads(output))
-    print("| |", " | ".join(runs), "|\n| --- | --- | --- |")
-    for name in runs["first"][0]:
-        values = (f"{median(run[name] for run in found):.4g}" for found in runs.values())
-        print(f"| {name} |", " | ".join(values), "|")
+        output = subprocess.run(
+            [sys.executable, *sys.argv, "--one"], check=True, stdout=subprocess.PIPE
+        ).stdout
+        runs.append(json.loads(output))
+    print("| | |\n| --- | --- |")
+    for name in runs[0]:
+        print(f"| {name} | {median(run[name] for run in runs):.4g} |")
 
 
 if __name__ == "__main__":
