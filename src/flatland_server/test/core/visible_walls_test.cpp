@@ -1,0 +1,156 @@
+/// No wall that can be seen from a disc is left out, and most of the others are.
+
+#include "flatland_server/visible_walls.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "flatland_server/depth_buffer.hpp"
+#include "reference_walls.hpp"
+#include "test_rounds.hpp"
+
+namespace flatland {
+namespace {
+
+/// The sides of a polygon, each of several walls, which share their corners to the last bit.
+void AddPolygon(std::vector<Segment>& walls, const std::vector<Vec2>& corners, int parts) {
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const Vec2 from = corners[i], to = corners[(i + 1) % corners.size()];
+    const auto at = [&](int k) {
+      return k == parts ? to : from + static_cast<double>(k) / parts * (to - from);
+    };
+    for (int k = 0; k < parts; ++k) walls.push_back({at(k), at(k + 1)});
+  }
+}
+
+/// A floor of 20 m by 10 m, with rounded pillars of many walls, some of which touch.
+std::vector<Segment> Pillars() {
+  std::mt19937 random(11);
+  std::vector<Segment> walls;
+  AddPolygon(walls, {{0, 0}, {20, 0}, {20, 10}, {0, 10}}, 40);
+  for (int i = 0; i < 60; ++i) {
+    const Vec2 center = RandomPoint(random, {0.5, 0.5}, {19.5, 9.5});
+    const double radius = std::uniform_real_distribution<double>(0.1, 0.9)(random);
+    const int count = 3 + static_cast<int>(random() % 14);
+    std::vector<Vec2> corners;
+    for (int k = 0; k < count; ++k) {
+      corners.push_back(center + radius * Towards(2.0 * M_PI * k / count + center.x));
+    }
+    AddPolygon(walls, corners, 1 + static_cast<int>(random() % 3));
+  }
+  return walls;
+}
+
+/// Rooms in a grid, with a door of 0.8 m in each side.
+std::vector<Segment> Rooms() {
+  std::vector<Segment> walls;
+  for (int x = 0; x <= 20; x += 4) {
+    for (int y = 0; y <= 10; y += 2) {
+      const Vec2 at{static_cast<double>(x), static_cast<double>(y)};
+      if (x < 20) {
+        walls.push_back({at, {at.x + 1.2, at.y}});
+        walls.push_back({{at.x + 2.0, at.y}, {at.x + 4.0, at.y}});
+      }
+      if (y < 10) {
+        walls.push_back({at, {at.x, at.y + 0.5}});
+        walls.push_back({{at.x, at.y + 1.3}, {at.x, at.y + 2.0}});
+      }
+    }
+  }
+  return walls;
+}
+
+struct Floor {
+  std::string name;
+  std::vector<Segment> walls;
+  double most_seen;  // of all walls, on an average
+};
+
+class VisibleWallsTest : public testing::TestWithParam<Floor> {
+ protected:
+  const std::vector<Segment>& walls_ = GetParam().walls;
+  const SegmentTree tree_{walls_};
+  std::mt19937 random_{31};
+
+  Vec2 RandomPlace() { return RandomPoint(random_, {-1, -1}, {21, 11}); }
+  double RandomPart() { return std::uniform_real_distribution<double>(0.0, 1.0)(random_); }
+  static std::vector<float> Ranges(const DepthBuffer& buffer, const BeamFan& fan) {
+    std::vector<float> ranges(fan.size());
+    buffer.GetRanges(ranges.data());
+    return ranges;
+  }
+  /// A scan of these walls alone is the scan of all, to the last bit.
+  void ExpectTheSame(const std::vector<uint32_t>& only, Vec2 place) {
+    const BeamFan fan(RandomPart(), 2.0 * M_PI / 720, 720);
+    const Pose pose{place.x, place.y, 6.0 * RandomPart()};
+    DepthBuffer some, all;
+    some.Begin(fan, 100.0);
+    some.Draw(tree_, only, pose);
+    all.Begin(fan, 100.0);
+    all.Draw(tree_, pose);
+    ASSERT_EQ(Ranges(some, fan), Ranges(all, fan)) << place.x << ", " << place.y;
+  }
+};
+
+TEST_P(VisibleWallsTest, ScansOfADiscAreThoseOfAllWalls) {
+  for (int i = 0; i < Rounds(1500); ++i) {
+    const Vec2 center = RandomPlace();
+    const double radius = std::pow(10.0, 2.5 * RandomPart() - 2.5);
+    const std::vector<uint32_t> only = WallsSeenFrom(tree_, center, radius);
+    for (const double part : {0.0, RandomPart(), 1.0, 1.0}) {
+      const Vec2 place = center + part * radius * RandomDirection(random_);
+      ASSERT_NO_FATAL_FAILURE(ExpectTheSame(only, place)) << radius;
+    }
+  }
+}
+
+TEST_P(VisibleWallsTest, MostWallsAreLeftOut) {
+  double seen = 0.0;
+  constexpr int kPlaces = 200;
+  for (int i = 0; i < kPlaces; ++i) {
+    const auto found = static_cast<double>(WallsSeenFrom(tree_, RandomPlace(), 0.1).size());
+    seen += found / static_cast<double>(walls_.size()) / kPlaces;
+  }
+  EXPECT_LT(seen, GetParam().most_seen);
+}
+
+TEST_P(VisibleWallsTest, AreKnownAfterSomeScansOfACell) {
+  const VisibleWalls visible(walls_);
+  const Vec2 place{10.1, 5.1};
+  for (int i = 1; i < VisibleWalls::kScansBefore; ++i) EXPECT_EQ(visible.From(place), nullptr);
+  const std::vector<uint32_t>* const found = visible.From(place);
+  ASSERT_NE(found, nullptr);
+  EXPECT_EQ(visible.From(place), found);
+  for (int i = 0; i < Rounds(500); ++i) {
+    const Vec2 near = RandomPoint(random_, {9.5, 4.5}, {10.7, 5.7});
+    if (visible.From(near) == found) ASSERT_NO_FATAL_FAILURE(ExpectTheSame(*found, near));
+  }
+  EXPECT_EQ(visible.From({1e9, -1e9}), nullptr);
+  EXPECT_EQ(visible.From({NAN, 5.1}), nullptr);
+}
+
+INSTANTIATE_TEST_SUITE_P(Walls, VisibleWallsTest,
+                         testing::Values(Floor{"Pixels", PixelWalls(20, 10), 0.4},
+                                         Floor{"Random", RandomWalls(3000, 0.7), 0.4},
+                                         Floor{"Pillars", Pillars(), 0.4},
+                                         Floor{"Rooms", Rooms(), 0.4}),
+                         [](const auto& info) { return info.param.name; });
+
+TEST(VisibleWalls, EqualSegmentsShareThem) {
+  const auto walls = VisibleWalls::Share(Rooms());
+  EXPECT_EQ(VisibleWalls::Share(Rooms()), walls);
+  EXPECT_NE(VisibleWalls::Share(Pillars()), walls);
+}
+
+TEST(VisibleWalls, OfNoWalls) {
+  EXPECT_TRUE(WallsSeenFrom(SegmentTree({}), {0, 0}, 1.0).empty());
+  EXPECT_EQ(VisibleWalls({}).From({0, 0}), nullptr);
+}
+
+}  // namespace
+}  // namespace flatland
