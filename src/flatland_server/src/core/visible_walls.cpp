@@ -1,24 +1,19 @@
-/// Finds the walls that can be seen from any point of a disc.
+/// Finds the walls that can be seen from any point of a box.
 ///
 /// Need: a lidar in an office sees a hundred walls of thousands. A scan that searches the tree finds
 /// out anew each time that it need not draw the others.
 ///
-/// Method: walls that share corners are followed to the left and to the right while their direction
-/// as seen from the centre c of the disc goes on: a chain. In polar coordinates around c a chain has
-/// one radius for each direction. What hides a point x from the whole disc is a part of a chain,
-/// from P on the right to Q on the left, that is nearer to c than x, and such that
+/// Method: walls that share corners are followed to the left and to the right, as seen from the
+/// centre c of the box: a chain. What hides a point x from the whole box is a part of a chain, from
+/// P on the right to Q on the left, that is nearer to c than x, if x is to the left of the lines
+/// from all corners of the box past P, and to the right of those past Q. Angles are looked at from
+/// c: to be on the safe side, at those that these lines have in the infinite.
 ///
-///     angle(P) + asin(e / |P|)  <=  angle(x)  <=  angle(Q) - asin(e / |Q|),
-///
-/// where e is the radius of the disc: between these angles are the points behind the chain from
-/// which even the outermost lines to the disc pass to the left of P and to the right of Q.
-///
-/// Proof: let v be a point of the disc. Outside of the disc, the line from v to x gets ever farther
-/// from c. At radius r its angle differs from that of x by asin(h / r) - asin(h / |x|) at most, where
-/// h <= e is the line's distance from c. So it passes to the left of P at the radius of P, and to
-/// the right of Q at the radius of Q, between the least and the greatest radius of the chain; the
-/// chain, which leads from P to Q, crosses it there, before x. All of the chain must be outside of
-/// the disc.
+/// Proof: let v be a point of the box. Outside of the disc around the box, the line from v to x
+/// gets ever farther from c. It passes to the left of P at the radius of P, and to the right of Q
+/// at the radius of Q, between the least and the greatest radius of the chain. The chain, which
+/// leads from P to Q, crosses it there, before x. All of the chain must be outside of the disc; it
+/// may go to and fro.
 ///
 /// Data: directions are divided into buckets. Each has the radius behind which all is hidden, as a
 /// depth buffer (Horizon), and the tree is searched as it is for a scan (tree_search.hpp), in rings
@@ -45,16 +40,16 @@
 namespace flatland {
 namespace {
 
-constexpr double kCellSize = 0.5;  // [m]
+constexpr double kCellSize = 0.25;  // [m]
 constexpr double kMaxCells = 262'144;
 /// With fewer walls, drawing them all is as fast.
 constexpr size_t kMinWalls = 64;
 /// Of all cells together: 4 bytes each.
 constexpr size_t kMaxFound = 4'000'000;
-/// For rounding errors: of angles [rad], and by which a disc is larger than a cell.
+/// For rounding errors: of angles [rad], and by which a box is made larger.
 constexpr double kAngleTolerance = 1e-6, kLarger = 1.0 + 1e-6;
 /// As many walls of a chain are followed while they do not lead on.
-constexpr size_t kMaxDetour = 12;
+constexpr size_t kMaxDetour = 3;
 /// Walls lead on if they turn more than this [buckets], the rounding errors of a detour.
 constexpr double kLeastTurn = 1e-6;
 
