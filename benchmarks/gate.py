@@ -75,10 +75,8 @@ def is_worse(folder: Path, name: str, content: Dict[str, Any], options: argparse
     done = subprocess.run([*map(str, command)], capture_output=True, text=True, check=False)
     if done.returncode not in (0, 1) or "failed to run" in done.stderr:
         raise RuntimeError(done.stdout + done.stderr)
-    is_wanted = (
-        folder / name / ("results.csv" if name == "baseline" else "regressions.xml")
-    ).exists()
-    if not is_wanted:
+    written = "results.csv" if name == "baseline" else "regressions.xml"
+    if not (folder / name / written).exists():
         raise RuntimeError(done.stdout + done.stderr)
     return done.returncode == 1
 

@@ -2,7 +2,8 @@
 
     usage: scaling.py [--workers 1 2] [--ray] [--scenarios 200] [--steps 200000]
 
-Prints a Markdown table. Needs Flatland and its extra gym; with --ray, also the extra ray. Runs the
+Prints a table. Needs Flatland and its extra gym; with --ray, also the extra ray. Outside of a
+workspace, flatland_benchmark is found by PYTHONPATH=src/flatland_benchmark/src. Runs the
 room with discs and its trained policy. CPU seconds are those of the workers' processes without
 their start-up; other programs affect them less than real time. They are unknown for workers of Ray.
 """
@@ -18,7 +19,18 @@ from functools import lru_cache
 from itertools import product
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    Iterable,
+    Iterator,
+    List,
+    NamedTuple,
+    Optional,
+    Tuple,
+    TypeVar,
+)
 
 import numpy as np
 
@@ -27,7 +39,10 @@ from flatland2d.sweep.ray_pool import LOCAL, RayPool
 from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.scenario_file import read_scenario_file
 from flatland2d.sweep.settings import SweepSettings, scenarios_of
+from flatland_benchmark.tables import head, row
 from flatland_gym import SCENARIOS, NavigationVectorEnv, Policy
+
+T = TypeVar("T")
 
 POLICY = (
     Path(__file__).resolve().parents[1] / "src/flatland_gym/src/flatland_gym/policies/discs.npz"
@@ -38,7 +53,7 @@ controllers: [{{name: trained, policy: {policy}}}]
 seeds: {count}
 start: random
 goal: random
-step_size: {step_size}
+step_size: 0.005
 control_period: {period}
 """
 ENVIRONMENTS = 64
@@ -55,6 +70,21 @@ class Figures(NamedTuple):
     received: int  # bytes from workers
 
 
+def timed(
+    pool: Any, warm_up: Callable[[], Any], work: Callable[[], T], on_ray: bool
+) -> Tuple[T, float, Optional[float]]:
+    """The result of the work, its real time, and the processor time of its processes [s]."""
+    try:
+        warm_up()
+        pids = children()
+        begin, begin_cpu = time.perf_counter(), 0.0 if on_ray else cpu_of(pids)
+        result = work()
+        seconds = time.perf_counter() - begin
+        return result, seconds, None if on_ray else cpu_of(pids) - begin_cpu
+    finally:
+        pool.close()
+
+
 # Sweeps
 
 
@@ -64,11 +94,7 @@ def sweep_settings(folder: Path, count: int) -> SweepSettings:
     path = folder / "scenarios.yaml"
     path.write_text(
         SCENARIOS_FILE.format(
-            world=SCENARIOS["discs"].world,
-            policy=POLICY,
-            count=count,
-            step_size=0.005,
-            period=period,
+            world=SCENARIOS["discs"].world, policy=POLICY, count=count, period=period
         )
     )
     return read_scenario_file(path)
@@ -78,19 +104,16 @@ def measure_sweep(settings: SweepSettings, workers: int, on_ray: bool) -> Figure
     """Runs all scenarios on workers that are warmed up."""
     scenarios = scenarios_of(settings)
     pool: Any = RayPool(settings, LOCAL, workers) if on_ray else LocalPool(settings, workers)
-    try:
-        for _ in pool.map(ScenarioRunner.run, scenarios[: 4 * workers]):
-            pass
-        pids = [] if on_ray else children()
-        begin, begin_cpu = time.perf_counter(), cpu_of(pids)
-        done = list(pool.map(ScenarioRunner.run, scenarios))
-        seconds, cpu = time.perf_counter() - begin, cpu_of(pids) - begin_cpu
-    finally:
-        pool.close()
+    done, seconds, cpu = timed(
+        pool,
+        lambda: list(pool.map(ScenarioRunner.run, scenarios[: 4 * workers])),
+        lambda: list(pool.map(ScenarioRunner.run, scenarios)),
+        on_ray,
+    )
     simulated = sum(each.answer.row["time"] for each in done)
     return Figures(
         seconds,
-        None if on_ray else cpu,
+        cpu,
         round(simulated / settings.control_period),
         sum(len(pickle.dumps((ScenarioRunner.run, each))) for each in scenarios),
         sum(len(pickle.dumps(each.answer)) for each in done),
@@ -121,15 +144,12 @@ class Collector:
         return {name: np.array(values) for name, values in kept.items()}
 
 
-@lru_cache(maxsize=1)
-def collector(seed: int) -> Collector:
-    """The collector of this process."""
-    return Collector(seed)
+_collector_of = lru_cache(maxsize=1)(Collector)
 
 
 def collect(policy: Policy, seed: int) -> Dict[str, Any]:
     """A rollout by this process's collector."""
-    return collector(seed).collect(policy)
+    return _collector_of(seed).collect(policy)
 
 
 def measure_rollouts(steps: int, workers: int, on_ray: bool) -> Figures:
@@ -137,21 +157,18 @@ def measure_rollouts(steps: int, workers: int, on_ray: bool) -> Figures:
     policy = Policy.load(POLICY)
     rounds = max(2, round(steps / workers / ENVIRONMENTS / ROLLOUT))
     pool: Any = RayExecutor(workers) if on_ray else LocalExecutor(workers)
-    try:
-        for _ in range(2):
-            list(pool.map(policy))
-        pids = [] if on_ray else children()
-        begin, begin_cpu = time.perf_counter(), cpu_of(pids)
-        received = count = 0
+
+    def run(rounds: int) -> Tuple[int, int]:
+        """Counts the steps, and the bytes that come back."""
+        count = received = 0
         for _ in range(rounds):
             for rollout in pool.map(policy):
                 received += sum(array.nbytes for array in rollout.values())
                 count += rollout["rewards"].size
-        seconds, cpu = time.perf_counter() - begin, cpu_of(pids) - begin_cpu
-    finally:
-        pool.close()
-    sent = rounds * workers * len(pickle.dumps(policy))
-    return Figures(seconds, None if on_ray else cpu, count, sent, received)
+        return count, received
+
+    (count, received), seconds, cpu = timed(pool, lambda: run(2), lambda: run(rounds), on_ray)
+    return Figures(seconds, cpu, count, rounds * workers * len(pickle.dumps(policy)), received)
 
 
 class LocalExecutor:
@@ -215,10 +232,9 @@ def row_of(name: str, workers: int, found: Figures, first: Figures) -> str:
     """A line of the table."""
     million = 1e6 / found.steps
     pace, alone = found.steps / found.seconds, first.steps / first.seconds
-    cpu = f"{found.cpu * million:.0f} s" if found.cpu is not None else ""
-    sent, received = (f"{count * million / 1e6:.1f} MB" for count in (found.sent, found.received))
-    cells = [name, workers, f"{pace:,.0f}", f"{pace / alone:.2f}", cpu, sent, received]
-    return f"| {' | '.join(map(str, cells))} |"
+    cpu = "" if found.cpu is None else found.cpu * million
+    sizes = (count * million / 1e6 for count in (found.sent, found.received))
+    return row(name, workers, pace, pace / alone, cpu, *sizes)
 
 
 def main() -> None:
@@ -229,8 +245,9 @@ def main() -> None:
     parser.add_argument("--scenarios", type=int, default=200, help="of the sweep")
     parser.add_argument("--steps", type=int, default=200_000, help="of environments")
     options = parser.parse_args()
-    heads = ("", "workers", "steps/s", "speed-up", "CPU per million steps", "sent", "received")
-    print(f"| {' | '.join(heads)} |\n|{' --- |' * len(heads)}", flush=True)
+    sizes = ("sent [MB per million]", "received [MB per million]")
+    columns = ("", "workers", "steps/s", "speed-up", "CPU per million steps [s]", *sizes)
+    print(head(*columns), flush=True)
     with tempfile.TemporaryDirectory() as folder:
         settings = sweep_settings(Path(folder), options.scenarios)
         first: Dict[str, Figures] = {}

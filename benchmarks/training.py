@@ -3,7 +3,8 @@
     usage: training.py [--environments 1024] [--steps 1000000] [--runs 3]
     usage: training.py --robots 8 --world discs --beams 64     # steps of the robots of teams
 
-Needs Flatland and its extra gym. Each run is a process. CPU seconds are less affected by other
+Needs Flatland and its extra gym; outside of a workspace, flatland_benchmark is found by
+PYTHONPATH=src/flatland_benchmark/src. Each run is a process. CPU seconds are less affected by other
 programs.
 """
 
@@ -19,6 +20,7 @@ import gymnasium
 import numpy as np
 
 import flatland_gym  # noqa: F401 (registers the environments)
+from flatland_benchmark.tables import head, row
 from flatland_gym.multi_robot_vector_env import MultiRobotVectorEnv
 
 _HELD = 10
@@ -76,9 +78,9 @@ def main() -> None:
             [sys.executable, *sys.argv, "--one"], check=True, stdout=subprocess.PIPE
         ).stdout
         runs.append(json.loads(output))
-    print("| | |\n| --- | --- |")
+    print(head("", "median"))
     for name in runs[0]:
-        print(f"| {name} | {median(run[name] for run in runs):.4g} |")
+        print(row(name, median(run[name] for run in runs)))
 
 
 if __name__ == "__main__":

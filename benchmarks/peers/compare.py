@@ -2,13 +2,60 @@
 
 import argparse
 import sys
-from pathlib import Path
-from typing import Dict, List, Optional
+from collections import defaultdict
+from statistics import median
+from typing import DefaultDict, Dict, List, NamedTuple, Optional, Tuple
 
-from comparison import TOLERANCE, Comparison, to_markdown, to_text
-from processes import PeerError, Process
+import numpy as np
+
+from flatland_benchmark.tables import head, row
+from processes import PeerError, Process, Simulator
 from scenario import Scenario
-from simulators import FLATLAND, FLATLAND_SUBSTEPS, SIMULATORS, Case
+
+TOLERANCE = 0.01
+"""Tolerance of ranges [m]: ir-sim's discs are polygons of 64 corners."""
+
+FLATLAND = Simulator("Flatland", "flatland_rooms", 1000, has_batches=True)
+IRSIM = Simulator("ir-sim 2.12.0", "irsim_rooms", 100, requirement="ir-sim[all]==2.12.0")
+SIMULATORS = (
+    FLATLAND,
+    FLATLAND._replace(name="Flatland, 20 x 5 ms", variant="20 x 5 ms"),
+    IRSIM,
+    IRSIM._replace(name="ir-sim, contact", variant="contact"),
+    Simulator(
+        "irsim-x 1.1.4",
+        "irsim_rooms",
+        1000,
+        has_batches=True,
+        requirement="irsim-x==1.1.4",
+        flags="-mno-avx512f",  # with AVX-512, its batch leaves every other eight ranges undefined
+    ),
+)
+
+
+class Case(NamedTuple):
+    """Robots that are measured together: in one "room", or in a "batch" with a room for each."""
+
+    kind: str
+    robots: int
+
+    @property
+    def title(self) -> str:
+        """The heading of its table column."""
+        return f"{'robots' if self.kind == 'room' else 'batch'} {self.robots}"
+
+    def suits(self, simulator: Simulator) -> bool:
+        """True if a simulator can run this case."""
+        is_batch = self.kind == "batch"
+        return simulator.has_batches if is_batch else self.robots <= simulator.most_robots
+
+
+def wrong_share(
+    ranges: List[List[float]], exact: "np.ndarray[float, np.dtype[np.float64]]"
+) -> float:
+    """The share of ranges that are not the exact ones; NaN is wrong."""
+    is_right = np.abs(np.array(ranges, dtype=float) - exact) <= TOLERANCE
+    return float(np.mean(~is_right))
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
@@ -16,87 +63,64 @@ def main(arguments: Optional[List[str]] = None) -> int:
     options = _parser().parse_args(arguments)
     cases = [Case("room", number) for number in options.robots]
     cases += [Case("batch", size) for size in options.batch]
-    cases += [Case("team", size) for size in options.team]
-    cases += [Case("crowd", size) for size in options.crowd]
-    simulators = (FLATLAND, FLATLAND_SUBSTEPS) if options.alone else SIMULATORS
-    used = [each for each in simulators if any(case.suits(each) for case in cases)]
-    comparison = Comparison(used, cases)
+    simulators = SIMULATORS[:2] if options.alone else SIMULATORS
+    rates: DefaultDict[Tuple[str, Case], List[float]] = defaultdict(list)
+    wrong: DefaultDict[str, List[float]] = defaultdict(list)
     processes: Dict[str, Process] = {}
     try:
-        for simulator in comparison.simulators:
+        for simulator in simulators:
             processes[simulator.name] = Process(simulator)
-            comparison.versions[simulator.name] = processes[simulator.name].versions
         for number in range(options.rounds):
-            _measure_round(comparison, processes, number, options.seconds)
-            _write(comparison, options)
-    except KeyboardInterrupt:
-        print("interrupted: what has been measured so far", file=sys.stderr)
+            # Each round starts with another simulator, and has other places of discs and robots.
+            first = number % len(simulators)
+            for case in cases:
+                for simulator in simulators[first:] + simulators[:first]:
+                    if not case.suits(simulator):
+                        continue
+                    found = processes[simulator.name].ask(
+                        kind=case.kind,
+                        variant=simulator.variant,
+                        robots=case.robots,
+                        seed=number + 1,
+                        seconds=options.seconds,
+                    )
+                    if case.robots == 1 or case.kind == "batch":  # exact without other robots
+                        layout = Scenario(case.robots, number + 1, rooms=case.robots)
+                        share = wrong_share(found["ranges"], layout.exact_ranges())
+                        wrong[simulator.name].append(share)
+                    rates[simulator.name, case].append(found["rate"])
     except PeerError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
     finally:
         for process in processes.values():
             process.end()
-    _report(comparison, options)
+    print("\n".join(table(cases, rates, wrong)))
     return 0
 
 
-def _measure_round(
-    comparison: Comparison, processes: Dict[str, Process], number: int, seconds: float
-) -> None:
-    """Measures each case with all simulators, one after the other.
+def table(
+    cases: List[Case],
+    rates: Dict[Tuple[str, Case], List[float]],
+    wrong: Dict[str, List[float]],
+) -> List[str]:
+    """The rows: rates, how many times a peer's Flatland's are, and the share of wrong ranges.
 
-    Each round starts with another simulator, and has other places of discs and robots.
+    Args:
+        cases: the columns.
+        rates: of each round [robot-steps/s], by simulator and case.
+        wrong: shares of wrong ranges, by simulator.
     """
-    simulators = list(comparison.simulators)
-    first = number % len(simulators)
-    order = simulators[first:] + simulators[:first]
-    for case in comparison.cases:
-        for simulator in order:
-            if not case.suits(simulator):
-                continue
-            process = processes[simulator.name]
-            opened = process.ask(
-                open=case.kind, variant=simulator.variant, robots=case.robots, seed=number + 1
-            )
-            if case.robots == 1 or case.kind == "batch":  # exact_ranges leaves out other robots
-                layout = Scenario(case.robots, number + 1, rooms=case.robots)
-                comparison.check(simulator, case, opened["ranges"], layout)
-            comparison.add(simulator, case, process.ask(measure=seconds)["rate"])
-            process.ask(close=True)
-            print(".", end="", file=sys.stderr, flush=True)
-    print(file=sys.stderr)
-
-
-def _report(comparison: Comparison, options: argparse.Namespace) -> None:
-    """Prints the results."""
-    rows = comparison.rows()
-    print(to_text(rows))
-    print()
-    for simulator in comparison.simulators:
-        print(f"{comparison.title(simulator)}: {simulator.about}")
-    print()
-    print(f"ranges of first scans that are wrong by more than {1000 * TOLERANCE:g} mm:")
-    for simulator in comparison.simulators:
-        for case in comparison.cases:
-            share = comparison.wrong_share(simulator, case)
-            if share is not None:
-                print(f"    {comparison.title(simulator)}, {case.title}: {100 * share:.2g} %")
-    print()
-    for target in comparison.targets():
-        verdict = "met" if target["is_met"] else "MISSED"
-        print(
-            f"{target['case']}: {target['found']:.3g} times {target['peer']}, "
-            f"asked {target['asked']:g}: {verdict}"
-        )
-
-
-def _write(comparison: Comparison, options: argparse.Namespace) -> None:
-    """Writes the results into files; after each round, so that an interruption loses little."""
-    if options.json is not None:
-        options.json.write_text(comparison.to_json(), encoding="utf-8")
-    if options.markdown is not None:
-        options.markdown.write_text(to_markdown(comparison.rows()), encoding="utf-8")
+    rows = [head("robot-steps per CPU second", *(case.title for case in cases), "wrong ranges [%]")]
+    names = list(dict.fromkeys(name for name, _ in rates))
+    for name in names:
+        medians = (median(rates[name, case]) if (name, case) in rates else "" for case in cases)
+        rows.append(row(name, *medians, 100.0 * median(wrong[name]) if name in wrong else ""))
+    for name in names[1:]:
+        pairs = [zip(rates[FLATLAND.name, case], rates.get((name, case), ())) for case in cases]
+        ratios = [[ours / theirs for ours, theirs in each] for each in pairs]
+        rows.append(row(f"times {name}", *(median(each) if each else "" for each in ratios), ""))
+    return rows
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -108,11 +132,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--seconds", type=float, default=1.0, help="length of each (default: 1)")
     add("--robots", type=int, nargs="*", default=[1, 10, 100, 1000], help="in one room")
     add("--batch", type=int, nargs="*", default=[1024], help="sizes of batches (default: 1024)")
-    add("--team", type=int, nargs="*", default=[], help="sizes of teams, 1,024 of each; with VMAS")
-    add("--crowd", type=int, nargs="*", default=[], help="of agents with ORCA in one place")
     add("--alone", action="store_true", help="without the peers, which nothing is installed for")
-    add("--json", type=Path, help="write all values into this file; see peers.schema.json")
-    add("--markdown", type=Path, help="write the table into this file")
     return parser
 
 

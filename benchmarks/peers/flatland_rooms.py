@@ -92,97 +92,9 @@ class Batch:
         self._batch.close()
 
 
-class Teams:
-    """Robots in many worlds, of which those of a world see and hit each other.
-
-    Args:
-        robots: how many in each world.
-        seed: of the scenario.
-        substeps: physics steps in a step.
-    """
-
-    def __init__(self, robots: int, seed: int, substeps: int) -> None:
-        self.robots = robots * scenario.TEAMS
-        self._substeps = substeps
-        self._scenario = Scenario(self.robots, seed, rooms=scenario.TEAMS)
-        self._step = 0
-        self._batch = SimulationBatch(
-            world_of(Scenario(robots, seed)),
-            scenario.TEAMS,
-            robots=[f"robot_{number}" for number in range(robots)],
-            step_size=scenario.STEP / substeps,
-        )
-        shape = (scenario.TEAMS, robots, -1)
-        self._observation = self._batch.reset(poses=self._scenario.poses.reshape(shape))
-        commands = self._scenario.commands.astype(np.float32)
-        self._commands = commands.reshape(len(commands), *shape)
-
-    def run(self, steps: int) -> None:
-        """Commands, steps and scans; the scans are in the observation."""
-        for _ in range(steps):
-            values = self._commands[self._scenario.command(self._step)]
-            self._batch.step(values, self._substeps, out=self._observation)
-            self._step += 1
-
-    def scans(self) -> Float32Array:
-        """The ranges of all lidars [m]; no return reads as the maximum range."""
-        ranges = self._observation.ranges.reshape(self.robots, -1)
-        return np.minimum(ranges, scenario.RANGE)
-
-    def close(self) -> None:
-        """Ends the batch."""
-        self._batch.close()
-
-
-class Crowd:
-    """Agents that cross an open place by ORCA, without robots and scans.
-
-    Args:
-        robots: how many agents.
-        seed: of the scenario.
-        substeps: physics steps in a step.
-    """
-
-    def __init__(self, robots: int, seed: int, substeps: int) -> None:
-        self.robots = robots
-        self._substeps = substeps
-        layout = Scenario(robots, seed)
-        people = zip(layout.poses.tolist(), layout.crowd_goals().tolist())
-        crowd = {
-            "type": "Crowd",
-            "name": "agent",
-            "motion": "orca",
-            "orca": scenario.ORCA,
-            "update_rate": 1.0 / scenario.STEP,
-            "speed": scenario.SPEED,
-            "radius": scenario.ROBOT_RADIUS + scenario.SAFE_RADIUS,
-            "pedestrians": [{"pose": pose, "goals": [goal, pose[:2]]} for pose, goal in people],
-        }
-        world = {"properties": {}, "layers": [{"name": "place"}], "plugins": [crowd]}
-        self._simulation = Simulation(world, step_size=scenario.STEP / substeps)
-
-    def run(self, steps: int) -> None:
-        """Steps."""
-        self._simulation.step(steps * self._substeps)
-
-    def scans(self) -> List[Any]:
-        """There are none."""
-        return []
-
-    def close(self) -> None:
-        """Ends the simulation."""
-        self._simulation.close()
-
-
 def open_room(kind: str, variant: str, robots: int, seed: int) -> Any:
-    """A `Room`, a `Batch`, `Teams` or a `Crowd`, by the kind."""
-    kinds = {"room": Room, "batch": Batch, "team": Teams, "crowd": Crowd}
-    return kinds[kind](robots, seed, SUBSTEPS[variant])
-
-
-def versions() -> Dict[str, str]:
-    """The versions of the measured packages."""
-    return {"numpy": np.__version__}
+    """A `Room` or a `Batch`, by the kind."""
+    return (Batch if kind == "batch" else Room)(robots, seed, SUBSTEPS[variant])
 
 
 def world_of(layout: Scenario) -> Dict[str, Any]:

@@ -1,10 +1,8 @@
 """The room in ir-sim and irsim-x, which share the name and the interface of their package."""
 
-import importlib.metadata
 import inspect
 import math
 import tempfile
-from contextlib import suppress
 from typing import Any, Dict
 
 import irsim
@@ -97,46 +95,9 @@ class Batch:
         self._env.close()
 
 
-class Crowd:
-    """Agents that cross an open place by ORCA, which ir-sim leaves to pyrvo, a binding of RVO2.
-
-    Args:
-        robots: how many agents.
-        seed: of the scenario.
-        collisions: the world's `collision_mode`.
-    """
-
-    def __init__(self, robots: int, seed: int, collisions: str) -> None:
-        self.robots = robots
-        self._env = irsim.make(crowd_file(Scenario(robots, seed), collisions), **_quiet())
-
-    def run(self, steps: int) -> None:
-        """Steps."""
-        for _ in range(steps):
-            self._env.step()
-
-    def scans(self) -> Any:
-        """There are none."""
-        return []
-
-    def close(self) -> None:
-        """Ends the environment."""
-        self._env.end(ending_time=0.0)
-
-
 def open_room(kind: str, variant: str, robots: int, seed: int) -> Any:
-    """A `Room`, a `Batch` or a `Crowd`, by the kind."""
-    kinds = {"room": Room, "batch": Batch, "crowd": Crowd}
-    return kinds[kind](robots, seed, COLLISIONS[variant])
-
-
-def versions() -> Dict[str, str]:
-    """The versions of the packages that are measured."""
-    found = {}
-    for name in ("ir-sim", "irsim-x", "numpy", "pyrvo", "shapely"):
-        with suppress(importlib.metadata.PackageNotFoundError):
-            found[name] = importlib.metadata.version(name)
-    return found
+    """A `Room` or a `Batch`, by the kind."""
+    return (Batch if kind == "batch" else Room)(robots, seed, COLLISIONS[variant])
 
 
 def world_file(layout: Scenario, collisions: str) -> str:
@@ -169,37 +130,6 @@ def world_file(layout: Scenario, collisions: str) -> str:
         for pose in layout.poses.tolist()
     ]
     robot = robots if len(robots) > 1 else robots[0]
-    return _write(collisions, {"robot": robot, "obstacle": obstacles})
-
-
-def crowd_file(layout: Scenario, collisions: str) -> str:
-    """Writes the world of a crowd; returns the path of its file."""
-    keys = scenario.ORCA
-    behavior = {
-        "name": "orca",
-        "loop": True,  # back and forth
-        "neighborDist": keys["distance"],
-        "maxNeighbors": keys["neighbors"],
-        "timeHorizon": keys["horizon"],
-        "timeHorizonObst": keys["wall_horizon"],
-        "safe_radius": scenario.SAFE_RADIUS,
-    }
-    agents = {
-        "number": len(layout.poses),
-        "distribution": {"name": "manual"},
-        "kinematics": {"name": "omni"},
-        "shape": {"name": "circle", "radius": scenario.ROBOT_RADIUS},
-        "state": layout.poses.tolist(),
-        "goal": [[*goal, 0.0] for goal in layout.crowd_goals().tolist()],
-        "goal_threshold": 0.3,
-        "vel_min": [-scenario.SPEED] * 2,
-        "vel_max": [scenario.SPEED] * 2,
-        "group_behavior": behavior,
-    }
-    return _write(collisions, {"robot": agents})
-
-
-def _write(collisions: str, content: Dict[str, Any]) -> str:
     world = {
         "width": scenario.ROOM,
         "height": scenario.ROOM,
@@ -207,7 +137,7 @@ def _write(collisions: str, content: Dict[str, Any]) -> str:
         "collision_mode": collisions,
     }
     with tempfile.NamedTemporaryFile("w", suffix=".yaml", delete=False) as file:
-        yaml.safe_dump({"world": world, **content}, file)
+        yaml.safe_dump({"world": world, "robot": robot, "obstacle": obstacles}, file)
     return file.name
 
 

@@ -6,12 +6,27 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import Any, Dict
-
-from simulators import Simulator
+from typing import Any, NamedTuple
 
 _HERE = Path(__file__).resolve().parent
 _ENVIRONMENTS = _HERE.parents[1] / "build" / "peers"
+
+
+class Simulator(NamedTuple):
+    """A simulator, as it is measured."""
+
+    name: str
+    rooms: str
+    """The module that opens its rooms."""
+    most_robots: int
+    """The largest number of robots in one room that is measured."""
+    has_batches: bool = False
+    variant: str = ""
+    """The variant for the module's `open_room`."""
+    requirement: str = ""
+    """The requirement for pip; empty for Flatland, which comes from this workspace."""
+    flags: str = ""
+    """Compiler flags for a build by pip."""
 
 
 class PeerError(Exception):
@@ -55,9 +70,6 @@ class Process:
     Args:
         simulator: what it measures.
 
-    Attributes:
-        versions: of the packages that it measures.
-
     Raises:
         PeerError: it cannot be installed, or does not start.
     """
@@ -79,7 +91,6 @@ class Process:
             env=environment,
             text=True,
         )
-        self.versions: Dict[str, str] = self.ask(versions=True)
 
     def ask(self, **request: Any) -> Any:
         """Sends a request, and returns the answer.

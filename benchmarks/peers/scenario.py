@@ -17,15 +17,9 @@ STEP = 0.1
 FIRST_BEAM = -math.pi
 INCREMENT = 2 * math.pi / (BEAMS - 1)
 """Angle between beams [rad]. The first and the last beam both point backwards."""
-ORCA = {"horizon": 2.0, "wall_horizon": 1.0, "distance": 5.0, "neighbors": 10}
-"""Of crowds: as the keys of our Crowd."""
-SAFE_RADIUS = 0.1
-"""Of an agent beyond its radius [m]: ir-sim's default. Its agents stop for good if they touch."""
 SPEED = 0.5
 YAW_RATE = 1.0
 STEPS_PER_COMMAND = 10
-TEAMS = 1024
-"""Number of rooms of the cases with teams."""
 _BLOCKS = 16
 _GAP = 0.4
 """Least initial gap between robots, discs and walls [m]."""
@@ -40,7 +34,7 @@ class Scenario:
     Args:
         robots: how many.
         seed: of all places and commands.
-        rooms: number of rooms with equally many of them, which do not overlap in a room.
+        rooms: 1, or as many as robots: each has a room of its own, and robots may overlap.
 
     Attributes:
         discs: x, y [m], shape (20, 2).
@@ -64,10 +58,6 @@ class Scenario:
     def command(self, step: int) -> int:
         """The row of `commands` for a step."""
         return step // STEPS_PER_COMMAND % _BLOCKS
-
-    def crowd_goals(self) -> "np.ndarray[Any, Any]":
-        """The goal of each agent of a crowd: through the room's middle, as far beyond it [m]."""
-        return ROOM - self.poses[:, :2]
 
     def exact_ranges(self) -> "np.ndarray[Any, Any]":
         """Exact ranges to discs and walls, without the other robots [m]: shape (robots, 64)."""

@@ -72,11 +72,6 @@ class Block(NamedTuple):
         return self.language == "output" and not self.note("prints then")
 
     @property
-    def exit_code(self) -> int:
-        """The exit code of its last command."""
-        return int(self.note("ends with") or 0)
-
-    @property
     def need(self) -> str:
         """The module that it needs, or ""."""
         match = re.search(r"^# needs: (\w+)", self.text, re.MULTILINE)

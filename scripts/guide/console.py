@@ -7,9 +7,7 @@ import signal
 import subprocess
 import time
 from pathlib import Path
-from typing import List, Mapping, Optional, Tuple, Union
-
-from forks import Forks, Program, python_words
+from typing import List, Mapping, Optional, Tuple
 
 LIMIT = 60.0
 """Limit for a command, and for a program's first output [s]."""
@@ -28,8 +26,9 @@ def commands_of(block: str) -> List[str]:
 
 
 def _goes_on(text: str) -> bool:
-    is_open = any(text.replace("\\" + quote, "").count(quote) % 2 for quote in "\"'")
-    return text.endswith("\\") or is_open
+    return text.endswith("\\") or any(
+        text.replace("\\" + quote, "").count(quote) % 2 for quote in "\"'"
+    )
 
 
 def pattern_of(output: str, is_start: bool = False) -> "re.Pattern[str]":
@@ -39,14 +38,9 @@ def pattern_of(output: str, is_start: bool = False) -> "re.Pattern[str]":
         if line.strip() == "...":
             pattern += r"(?:[^\n]*\n)*?"
         else:
-            pattern += (
-                r"[^\n]*?".join(re.escape(part.rstrip()) for part in _parts(line)) + r"[ \t]*\n"
-            )
+            parts = (re.escape(part.rstrip()) for part in line.rstrip().split("..."))
+            pattern += r"[^\n]*?".join(parts) + r"[ \t]*\n"
     return re.compile(pattern if is_start else rf"\A{pattern}\s*\Z")
-
-
-def _parts(line: str) -> List[str]:
-    return line.rstrip().split("...")
 
 
 class Shell:
@@ -55,17 +49,13 @@ class Shell:
     Args:
         folder: where it begins.
         environment: its variables.
-        forks: start commands that are Python programs; without it, bash starts all.
     """
 
-    def __init__(
-        self, folder: Path, environment: Mapping[str, str], forks: Optional[Forks] = None
-    ) -> None:
+    def __init__(self, folder: Path, environment: Mapping[str, str]) -> None:
         self._folder = folder  # of the files that it needs
         self._current = folder
         self._environment = dict(environment)
-        self._forks = forks
-        self._programs: List[Tuple[Union[Program, subprocess.Popen[bytes]], Path]] = []
+        self._programs: List[Tuple[subprocess.Popen[bytes], Path]] = []
 
     def run(self, command: str) -> Tuple[str, int]:
         """Runs a command to its end.
@@ -79,14 +69,14 @@ class Shell:
         output = self._folder / ".output"
         state = self._folder / ".shell"
         keep = f"env -0 > {shlex.quote(f'{state}.env')}; pwd > {shlex.quote(f'{state}.pwd')}"
-        program = self._start(command, f"{command}\n_code=$?; {keep}; exit $_code", output)
+        program = self._start(f"{command}\n_code=$?; {keep}; exit $_code", output)
         try:
             code = program.wait(LIMIT)
         except subprocess.TimeoutExpired:
             os.killpg(program.pid, signal.SIGKILL)
             program.wait(_KILLED)
             raise
-        if isinstance(program, subprocess.Popen) and Path(f"{state}.pwd").exists():
+        if Path(f"{state}.pwd").exists():
             variables = Path(f"{state}.env").read_text().rstrip("\0").split("\0")
             self._environment = dict(each.split("=", 1) for each in variables)
             self._current = Path(Path(f"{state}.pwd").read_text().rstrip("\n"))
@@ -99,17 +89,11 @@ class Shell:
             None, or what it has printed if that is something else.
         """
         log = self._folder / f".program{len(self._programs)}.log"
-        self._programs.append((self._start(command, f"exec {command}", log), log))
+        self._programs.append((self._start(f"exec {command}", log), log))
         return self.wait_for(output)
 
-    def _start(
-        self, command: str, script: str, output: Path
-    ) -> Union[Program, "subprocess.Popen[bytes]"]:
-        """Starts a command: a Python program in a fork, or else a script in bash."""
-        variables = {**self._environment, "PWD": str(self._current)}
-        words = self._forks and python_words(command, variables)
-        if self._forks and words:
-            return self._forks.start(words, self._current, variables, output)
+    def _start(self, script: str, output: Path) -> "subprocess.Popen[bytes]":
+        """Starts a script in bash."""
         with output.open("w") as file:
             return subprocess.Popen(
                 ["bash", "-c", script],

@@ -8,6 +8,7 @@ import contextlib
 import functools
 import inspect
 import math
+import re
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Sequence, Set, Tuple
 
@@ -19,6 +20,8 @@ PLUGIN_GETTERS = {
     ModelPlugin: ("get_body", "get_body_names", "get_joint"),
     Plugin: ("get_frame_id",),
 }
+WITHOUT_DEFAULT = {"get_path": REQUIRED, "get_joint": REQUIRED, "get_body_names": ()}
+"""Defaults of getters that have no such argument."""
 CONTAINERS = ("get_section", "get_sections", "get_enabled_sections")
 
 
@@ -59,12 +62,10 @@ class Observation:
         """The keys of a map and of the maps within it, in the order in which they are read."""
         found: Dict[str, List[Read]] = {}
         for read in self.reads:
-            (name, place), key = read.place, read.key
-            if name == file and (place == path or not path or place[len(path) :][:1] in ".["):
-                if not place.startswith(path):
-                    continue
-                dotted = f"{place[len(path) :]}.{key}".lstrip(".")
-                found.setdefault(dotted, []).append(read)
+            name, place = read.place
+            inner = place[len(path) :]
+            if name == file and place.startswith(path) and (not path or inner[:1] in ".["):
+                found.setdefault(f"{inner}.{read.key}".lstrip("."), []).append(read)
         return [_merge(name, reads) for name, reads in found.items()]
 
     def defaults(self, file: str, path: str) -> Dict[str, Any]:
@@ -76,9 +77,8 @@ class Observation:
             if name == file and place.startswith(path) and "[" not in inner:
                 is_value = read.getter not in CONTAINERS and read.default is not REQUIRED
                 if is_value and key not in ("type", "name", "enabled"):
-                    default = (
-                        list(read.default) if isinstance(read.default, tuple) else read.default
-                    )
+                    is_tuple = isinstance(read.default, tuple)
+                    default = list(read.default) if is_tuple else read.default
                     found[f"{inner}.{key}".lstrip(".")] = default
         return found
 
@@ -144,11 +144,7 @@ def _is_inner(observation: Observation, reader: YamlReader, key: str) -> bool:
 def _read(getter: str, reader: YamlReader, values: Dict[str, Any], conditional: bool) -> Read:
     values.pop("self")
     key = values.pop("key")
-    default = values.pop("default", None if getter != "get_path" else REQUIRED)
-    if getter in ("get_joint",):
-        default = REQUIRED
-    if getter == "get_body_names":
-        default = ()
+    default = values.pop("default", WITHOUT_DEFAULT.get(getter))
     if getter in CONTAINERS:
         empty: Any = {} if getter == "get_section" else []
         default = REQUIRED if values.pop("required") else empty
@@ -156,17 +152,7 @@ def _read(getter: str, reader: YamlReader, values: Dict[str, Any], conditional: 
 
 
 def _place(reader: YamlReader) -> Tuple[str, str]:
-    path = "".join("[]" if part[:1].isdigit() else part for part in _split(reader.path))
-    return Path(reader._root).name, path
-
-
-def _split(path: str) -> List[str]:
-    """Splits `models[0].pose` into "models", "0]", ".pose"."""
-    parts: List[str] = []
-    for piece in path.split("["):
-        head, bracket, tail = piece.partition("]")
-        parts += [f"{head}]", tail] if bracket else [head]
-    return parts
+    return Path(reader._root).name, re.sub(r"\[\d+\]", "[]", reader.path)
 
 
 def _merge(name: str, reads: Sequence[Read]) -> Key:

@@ -3,7 +3,7 @@
 Files are written as they are pasted, Python runs as one program, commands run, and what they print
 is compared. At the end, each world, model and map file that the page has written is loaded.
 
-usage: page_run.py PAGE FOLDER SOCKET    without ROS, by the process that forks at this socket
+usage: page_run.py PAGE FOLDER    leaves out the parts that need ROS
 """
 
 import contextlib
@@ -14,19 +14,14 @@ import subprocess
 import sys
 import traceback
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence
+from typing import Any, Dict, Iterator, List, Mapping, Sequence
 
-from blocks import Block, Needs, blocks_of, needs_of
+from blocks import Block, blocks_of, needs_of
 from console import Shell, commands_of, pattern_of, without_colors
-from forks import Forks
 
 from flatland2d import FlatlandError
 from flatland2d.cli.check import load
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
-
-SHOWN = "text"
-"""The language of blocks that are neither files nor programs, such as definitions of messages."""
-
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -42,7 +37,6 @@ class PageRun:
         page: the Markdown file.
         folder: an empty one.
         environment: for its shell.
-        forks: start Python programs; see `Shell`.
         has_ros: whether ROS is installed; if not, parts that need it are left out.
     """
 
@@ -51,14 +45,13 @@ class PageRun:
         page: Path,
         folder: Path,
         environment: Mapping[str, str],
-        forks: Optional[Forks] = None,
         has_ros: bool = True,
     ) -> None:
         self._page = page
         self._needs = needs_of(page)
         self._has_ros = has_ros
         self._folder = folder
-        self._shell = Shell(folder, environment, forks)
+        self._shell = Shell(folder, environment)
         self._names: Dict[str, Any] = {"__name__": "__main__"}
         self._written: List[str] = []
 
@@ -70,7 +63,10 @@ class PageRun:
         """
         try:
             with _inside(self._folder):
-                self._write_files(self._needs)
+                if self._needs and self._needs.files:  # of the page that this one builds on
+                    for block in blocks_of(self._page.parent / self._needs.files):
+                        if block.file:
+                            self._write(block)
                 blocks = blocks_of(self._page)
                 for block, following in zip(blocks, [*blocks[1:], None]):
                     is_shown = following is not None and following.is_output
@@ -79,13 +75,6 @@ class PageRun:
         finally:
             self._shell.close()
 
-    def _write_files(self, needs: Optional[Needs]) -> None:
-        """Writes the files of the page that this one builds on."""
-        if needs and needs.files:
-            for block in blocks_of(self._page.parent / needs.files):
-                if block.file:
-                    self._write(block)
-
     def _run_block(self, block: Block, output: str) -> None:
         """Runs a block.
 
@@ -93,8 +82,7 @@ class PageRun:
             block: the block.
             output: its expected output, shown after it.
         """
-        need = block.need
-        is_missing = need and importlib.util.find_spec(need) is None
+        is_missing = block.need and importlib.util.find_spec(block.need) is None
         if block.is_output or block.note("not run:") or is_missing:
             return
         if block.uses_ros and not self._has_ros:
@@ -102,8 +90,9 @@ class PageRun:
                 raise self._error(block, "the page says that it runs by pip, and this needs ROS")
             return
         source = block.note("part of:")
-        if source:
-            self._compare(block, source)
+        if source:  # an excerpt, of a file named from the repository's folder
+            if block.text not in (ROOT / source).read_text(encoding="utf-8"):
+                raise self._error(block, f"{source} has no such part")
         elif block.file:
             self._write(block)
         elif block.language == "python":
@@ -116,7 +105,7 @@ class PageRun:
                 raise self._difference(block, "the last program", block.text, found)
         elif block.language == "console":
             raise self._error(block, 'expected commands as "bash", and "output" after them')
-        elif block.language != SHOWN:
+        elif block.language != "text":  # shown alone, such as definitions of messages
             message = f'a reason to leave this "{block.language}" block out'
             raise self._error(block, f"expected the name of a file, or {message}")
 
@@ -125,11 +114,6 @@ class PageRun:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(block.text, encoding="utf-8")
         self._written.append(block.file)
-
-    def _compare(self, block: Block, source: str) -> None:
-        """Compares an excerpt with its file, named from the repository's folder."""
-        if block.text not in (ROOT / source).read_text(encoding="utf-8"):
-            raise self._error(block, f"{source} has no such part")
 
     def _run_python(self, block: Block) -> None:
         source = "\n" * (block.line - 1) + block.text
@@ -143,8 +127,8 @@ class PageRun:
         commands[0] = block.note("instead:") or commands[0]
         if block.note("runs on"):
             last = commands.pop()
-        printed = [self._run_command(block, each) for each in commands[:-1]]
-        printed += [self._run_command(block, each, block.exit_code) for each in commands[-1:]]
+        codes = [0] * (len(commands) - 1) + [int(block.note("ends with") or 0)]
+        printed = [self._run_command(block, *each) for each in zip(commands, codes)]
         if block.note("runs on"):
             found = self._shell.start(last, output)
             if found is not None:
@@ -153,7 +137,7 @@ class PageRun:
             shown = "".join(f"$ {each}\n{found}" for each, found in zip(commands, printed))
             raise self._difference(block, "commands", output, shown)
 
-    def _run_command(self, block: Block, command: str, code: int = 0) -> str:
+    def _run_command(self, block: Block, command: str, code: int) -> str:
         """Runs a command that ends with this exit code, and returns what it prints."""
         try:
             printed, ended_with = self._shell.run(command)
@@ -166,7 +150,8 @@ class PageRun:
 
     def _load_files(self) -> None:
         """Loads the world, model and map files; skips those with the page's own plugins."""
-        classes = re.findall(r"^class (\w+)\((?:Model|World)Plugin", self._text(), re.MULTILINE)
+        text = "".join(path.read_text() for path in self._folder.rglob("*.py"))
+        classes = re.findall(r"^class (\w+)\((?:Model|World)Plugin", text, re.MULTILINE)
         with contextlib.closing(YamlPreprocessor()) as preprocessor:
             for name in dict.fromkeys(self._written):
                 path = self._folder / name
@@ -175,9 +160,6 @@ class PageRun:
                         load(path, preprocessor)
                     except FlatlandError as error:
                         raise PageError(f"{self._page}: {name}: {error}") from None
-
-    def _text(self) -> str:
-        return "".join(path.read_text() for path in self._folder.rglob("*.py"))
 
     def _difference(self, block: Block, of: str, shown: str, found: str) -> PageError:
         text = f"{of}:\nthe page shows\n{shown or 'nothing'}\nand it is\n{found}"
@@ -211,5 +193,4 @@ def _inside(folder: Path) -> Iterator[None]:
 
 
 if __name__ == "__main__":
-    _page, _folder, _socket = sys.argv[1:]
-    PageRun(Path(_page), Path(_folder), os.environ, Forks(_socket), has_ros=False).run()
+    PageRun(Path(sys.argv[1]), Path(sys.argv[2]), os.environ, has_ros=False).run()

@@ -8,7 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Dict, List, Tuple
 
-from key_reads import Key, observed
+from key_reads import Key, Observation, observed
 from PIL import Image
 
 from flatland_server.testing import WorldFiles
@@ -134,19 +134,20 @@ WORLD: Dict[str, Any] = {
 WALLS = ((-9, -9, 9, -9), (9, -9, 9, 9), (9, 9, -9, 9), (-9, 9, -9, -9))
 
 
+_BASES = {
+    each.get("name", ""): each.get("base_class_type", "")
+    for each in ElementTree.parse(DECLARATIONS).iter("class")
+}
+
+
 def plugin_names() -> List[str]:
     """The classes that the package declares."""
-    return [each.get("name", "") for each in ElementTree.parse(DECLARATIONS).iter("class")]
+    return list(_BASES)
 
 
 def is_of_the_world(name: str) -> bool:
     """True if a plugin's entry is in a world file."""
-    [base] = [
-        each.get("base_class_type", "")
-        for each in ElementTree.parse(DECLARATIONS).iter("class")
-        if each.get("name") == name
-    ]
-    return base.endswith("WorldPlugin")
+    return _BASES[name].endswith("WorldPlugin")
 
 
 def _files() -> WorldFiles:
@@ -160,32 +161,36 @@ def _files() -> WorldFiles:
     return files
 
 
+def _observed(name: str, entries: Dict[str, Dict[str, Any]]) -> Observation:
+    """The getter calls for entries of a plugin, by the plugin's name; each is read by itself."""
+    files = _files()
+    with observed() as observation:
+        for index, (entry_name, sample) in enumerate(entries.items()):
+            plugins = [{"type": name, "name": entry_name, **sample}]
+            of_world = plugins if is_of_the_world(name) else []
+            bodies = TRICYCLE["bodies"][:: -1 if index % 2 else 1]  # another one is the first
+            model = {**TRICYCLE, "bodies": bodies, "plugins": [] if of_world else plugins}
+            files.write("robot.model.yaml", model)
+            files.load({**WORLD, "plugins": of_world}).world.close()
+    return observation
+
+
+def _file_of(name: str) -> str:
+    return "world.yaml" if is_of_the_world(name) else "robot.model.yaml"
+
+
 @lru_cache(maxsize=None)
 def keys_of_plugin(name: str) -> List[Key]:
     """The keys of a plugin, but for those that every plugin has."""
-    files = _files()
-    of_world = is_of_the_world(name)
-    with observed() as observation:
-        for index, sample in enumerate(PLUGINS[name]):
-            plugins = [{"type": name, "name": f"plugin{index}", **sample}]
-            bodies = TRICYCLE["bodies"][:: -1 if index % 2 else 1]  # another one is the first
-            entries = [] if of_world else plugins
-            files.write("robot.model.yaml", {**TRICYCLE, "bodies": bodies, "plugins": entries})
-            files.load({**WORLD, "plugins": plugins if of_world else []}).world.close()
-    file = "world.yaml" if of_world else "robot.model.yaml"
-    common = ("type", "name", "enabled")
-    return [key for key in observation.keys(file, "plugins[]") if key.name not in common]
+    entries = {f"plugin{index}": sample for index, sample in enumerate(PLUGINS[name])}
+    keys = _observed(name, entries).keys(_file_of(name), "plugins[]")
+    return [key for key in keys if key.name not in ("type", "name", "enabled")]
 
 
 def defaults_of_plugin(name: str) -> Dict[str, Any]:
     """The defaults of a plugin's keys by their paths, without those in lists of maps."""
-    files = _files()
-    of_world = is_of_the_world(name)
-    plugins = [{"type": name, "name": "plugin", **PLUGINS[name][0]}]
-    with observed() as observation:
-        files.write("robot.model.yaml", {**TRICYCLE, "plugins": [] if of_world else plugins})
-        files.load({**WORLD, "plugins": plugins if of_world else []}).world.close()
-    return observation.defaults("world.yaml" if of_world else "robot.model.yaml", "plugins[]")
+    observation = _observed(name, {"plugin": PLUGINS[name][0]})
+    return observation.defaults(_file_of(name), "plugins[]")
 
 
 MAPS: Dict[str, Tuple[str, str]] = {

@@ -38,7 +38,7 @@ def on_page_markdown(markdown: str, page: Any, files: Any, **_: Any) -> str:
     for beginning, boost in BOOSTS.items():
         if source.startswith(beginning):
             page.meta["search"] = {"boost": boost}
-    folder = os.path.dirname(_path_of(source))
+    folder = os.path.dirname(source if source.startswith("examples/") else f"docs/{source}")
 
     def rewrite(match: "re.Match[str]") -> str:
         path = os.path.normpath(os.path.join(folder, match[3]))
@@ -52,8 +52,3 @@ def on_page_markdown(markdown: str, page: Any, files: Any, **_: Any) -> str:
         return match[2] if match[2].strip("`") == path else f"{match[2]} (`{path}`)"
 
     return LINK.sub(rewrite, COMMENT.sub("", markdown))
-
-
-def _path_of(source: str) -> str:
-    """The path of a page in the repository."""
-    return source if source.startswith("examples/") else f"docs/{source}"

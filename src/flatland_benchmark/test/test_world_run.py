@@ -1,6 +1,5 @@
 """benchmark.launch with a world of the user's: it runs for some simulated time, and ends."""
 
-import json
 import re
 import shutil
 import sys
@@ -31,18 +30,12 @@ def benchmark(run, master):
     return start
 
 
-def test_a_world_is_run_for_the_duration_and_its_speed_is_reported(benchmark, tmp_path):
-    file = tmp_path / "speed.json"
-
-    output = benchmark(
-        f"world_path:={WORLD}", "benchmark_duration:=2", "step_size:=0.01", f"json:={file}"
-    )
+def test_a_world_is_run_for_the_duration_and_its_speed_is_reported(benchmark):
+    output = benchmark(f"world_path:={WORLD}", "benchmark_duration:=2", "step_size:=0.01")
 
     [(simulated, real, factor, steps)] = SPEED.findall(output)
     assert (float(simulated), int(steps)) == (2.0, 200)
     assert float(factor) == pytest.approx(2.0 / float(real), rel=1e-2)
-    figures = json.loads(file.read_text())["cases"]["world"]["figures"]
-    assert figures["simulated"]["values"] == [2.0]
     assert "Traceback" not in output
 
 

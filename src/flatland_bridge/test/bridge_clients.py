@@ -105,3 +105,9 @@ class Client(Receiver):
 
 def foxglove(server, subprotocol):
     return connect(server.clients.url(FOXGLOVE, "ws"), subprotocols=[subprotocol])
+
+
+def replace_service(monkeypatch, server, name, action):
+    """Makes a service of a server do something else."""
+    services = server.graph._services
+    monkeypatch.setitem(services, name, services[name]._replace(action=action))

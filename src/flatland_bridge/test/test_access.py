@@ -12,8 +12,9 @@ from websockets.exceptions import InvalidStatus
 
 from flatland2d.cli import main
 from flatland_bridge.budget import Budgets
-from flatland_bridge.graph import BridgeError, Sample
+from flatland_bridge.graph import BridgeError
 from flatland_bridge.outbox import MOST_MESSAGES, Stream
+from flatland_bridge.sample import Sample
 from flatland_bridge.server import FOXGLOVE, ROSBRIDGE
 from flatland_bridge.websocket_server import Access
 from flatland_server.config.shipped_worlds import shipped_worlds

@@ -8,8 +8,9 @@ import cbor2
 import pytest
 from bridge_clients import Client, foxglove
 
-from flatland_bridge.graph import BridgeError, Sample
+from flatland_bridge.graph import BridgeError
 from flatland_bridge.rosbridge_form import publisher
+from flatland_bridge.sample import Sample
 from flatland_server import messages
 
 HUGE = b"\xc4\x82\x1a\x00\x0f\x42\x40\x01"

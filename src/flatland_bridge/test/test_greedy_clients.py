@@ -6,15 +6,15 @@ import struct
 import threading
 
 import pytest
-from bridge_clients import Client, connect, running
+from bridge_clients import Client, connect, replace_service, running
 from test_foxglove import Viewer
 from waiting import wait_until
 from websockets.exceptions import ConnectionClosed
 
 from flatland_bridge.budget import Budgets
 from flatland_bridge.client_calls import MOST_CALLS
-from flatland_bridge.graph import Sample
 from flatland_bridge.outbox import Stream
+from flatland_bridge.sample import Sample
 from flatland_bridge.server import ROSBRIDGE
 from flatland_server.messages.message_types import get
 
@@ -97,7 +97,7 @@ def make_calls_that_wait(client, number):
 )
 def test_a_client_that_takes_too_much_is_told_and_disconnected(server, client, ask, monkeypatch):
     goes_on = threading.Event()
-    monkeypatch.setitem(server.graph._host.actions, SLOW, lambda request: goes_on.wait(60))
+    replace_service(monkeypatch, server, SLOW, lambda request: goes_on.wait(60))
     provider, greedy = Client(server), Client(server)
     provider.send("advertise_service", service="/never", type="std_srvs/SetBool")
     provider.call("/rosapi/nodes")
@@ -115,7 +115,7 @@ def test_a_client_that_takes_too_much_is_told_and_disconnected(server, client, a
 
 def test_a_viewer_that_takes_too_much_is_told_and_disconnected(server, monkeypatch):
     goes_on = threading.Event()
-    monkeypatch.setitem(server.graph._host.actions, SLOW, lambda request: goes_on.wait(60))
+    replace_service(monkeypatch, server, SLOW, lambda request: goes_on.wait(60))
     viewer = Viewer(server)
     head = struct.pack("<BIII", 2, viewer.services[SLOW]["id"], 7, 4) + b"json"
     call = head + json.dumps({"yaml_path": LONG}).encode()
@@ -262,7 +262,7 @@ def test_a_client_waits_for_its_own_calls_alone(server, client, monkeypatch):
         begun.append(request.name)
         goes_on.wait(60)
 
-    monkeypatch.setitem(server.graph._host.actions, "/delete_model", slow)
+    replace_service(monkeypatch, server, "/delete_model", slow)
     for number in range(MOST_CALLS + 1):
         args = {"name": str(number)}
         client.send("call_service", id=number, service="/delete_model", args=args)
@@ -298,7 +298,7 @@ def test_a_client_with_a_call_that_goes_on_counts_after_it_has_left(server, clie
         has_begun.set()
         goes_on.wait(60)
 
-    monkeypatch.setitem(server.graph._host.actions, "/pause", action)
+    replace_service(monkeypatch, server, "/pause", action)
     other = Client(server)
     other.send("call_service", service="/pause")
     assert has_begun.wait(20)

@@ -9,7 +9,7 @@ import sys
 
 import numpy as np
 import pytest
-from bridge_clients import Client, running
+from bridge_clients import Client, replace_service, running
 from test_foxglove import Viewer
 
 from flatland_bridge.call_topics import CALLS, RESPONSES, CallTopics
@@ -235,7 +235,7 @@ def test_roslibpy_lists_subscribes_publishes_and_calls(world):
 
 
 def test_a_service_that_breaks_down_is_answered_in_each_protocol(server, client, monkeypatch):
-    monkeypatch.setitem(server.graph._host.actions, "/pause", lambda request: 1 / 0)
+    replace_service(monkeypatch, server, "/pause", lambda request: 1 / 0)
     expected = "/pause has failed: ZeroDivisionError('division by zero')"
     viewer, topics, answers = Viewer(server), CallTopics(server.graph), queue.Queue()
 

@@ -10,7 +10,7 @@ pytest.importorskip("gymnasium")
 from environments import make
 
 from flatland2d import world_content
-from flatland_gym.mirror import Mirror
+from flatland_gym.train import Mirror
 
 DRIVES = {
     "DiffDrive": ([0.5, 0.8], [1, -1]),

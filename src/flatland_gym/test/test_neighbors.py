@@ -9,9 +9,9 @@ from environments import assert_same, make, make_vector
 
 from flatland2d import UsageError
 from flatland_gym import NavigationVectorEnv
-from flatland_gym.networks import Network, Scale
 from flatland_gym.observations import neighbor_rows
 from flatland_gym.policy_node import PolicyNode
+from flatland_gym.train import Network, Scale
 
 CORRIDOR = {"world": "corridor", "neighbors": 3, "beams": 8}
 

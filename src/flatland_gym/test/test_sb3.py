@@ -4,19 +4,23 @@ import numpy as np
 import pytest
 from environments import assert_same, make
 
-from flatland2d import UsageError
+from flatland2d import UsageError, world_content
 
 # src/flatland2d/test/pip runs this file in an environment with the extra `sb3`.
 pytest.importorskip("stable_baselines3")
 
 import torch
 from stable_baselines3 import PPO, SAC
-from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor
+from stable_baselines3.common.vec_env import (
+    DummyVecEnv,
+    VecFrameStack,
+    VecMonitor,
+    VecNormalize,
+)
 
-from flatland_gym import Policy
 from flatland_gym.sb3 import NavigationVecEnv
-from flatland_gym.sb3_training import ScaledActions, policy_of
-from flatland_gym.train import main
+from flatland_gym.sb3_training import ScaledActions, mirrored, policy_of
+from flatland_gym.train import Mirror
 
 ARGUMENTS = {"world": "discs", "time_limit": 2.0, "goal_distance": (0.5, 2.0), "beams": 16}
 
@@ -81,12 +85,43 @@ def test_other_models_are_refused():
     env.close()
 
 
-def test_the_command_trains_with_it(tmp_path, capsys):
-    arguments = ["--library", "sb3", "--envs", "16", "--threads", "1", "--steps", "2000"]
-    path = tmp_path / "policy.npz"
-    assert main([str(path), "--world", "empty_room", "--episodes", "3", *arguments]) == 0
-    assert Policy.load(path).beams == 64
-    assert "of 3 episodes with new seeds" in capsys.readouterr().out
+@pytest.mark.parametrize(
+    "wrap", [VecNormalize, lambda env: VecFrameStack(env, 2)], ids=["normalised", "stacked"]
+)
+def test_a_wrapper_that_changes_what_the_policy_sees_is_refused(wrap):
+    env = wrap(ScaledActions(NavigationVecEnv(2, **ARGUMENTS)))
+    name = type(env).__name__
+    model = PPO("MlpPolicy", VecMonitor(env), n_steps=16, batch_size=32)
+    with pytest.raises(UsageError, match=f"expected no {name}: a robot that is driven by the pol"):
+        policy_of(model)
+    with pytest.raises(UsageError, match=f"expected no {name}"):
+        mirrored(env)
+    env.close()
+
+
+def test_ppo_learns_from_mirror_images():
+    env = ScaledActions(NavigationVecEnv(8, **ARGUMENTS))
+    arguments = {"n_steps": 16, "batch_size": 128, "n_epochs": 1, "seed": 1}
+    model = PPO("MlpPolicy", env, **arguments, **mirrored(env))
+    model.learn(128)
+    buffer, mirror = model.rollout_buffer, Mirror.of(env.venv.envs.navigation)
+    chosen = np.arange(100)
+    rows = buffer._get_samples(chosen)
+    observations, actions = buffer.observations[chosen], buffer.actions[chosen]
+    mirror.turn(observations[:50], actions[:50])
+    np.testing.assert_allclose(rows.observations.numpy(), observations)
+    np.testing.assert_allclose(rows.actions.numpy(), actions)
+    assert np.abs(rows.actions.numpy() - buffer.actions[chosen]).max() > 0.1
+    env.close()
+
+
+def test_a_lidar_that_looks_more_to_one_side_has_no_mirror_images():
+    content = world_content("package://flatland_gym/worlds/empty_room.yaml")
+    content["models"][0]["model"]["plugins"][1]["origin"] = [0, 0.1, 0]
+    env = NavigationVecEnv(2, world=content)
+    with pytest.raises(UsageError, match="a lidar that looks to both sides alike"):
+        mirrored(env)
+    env.close()
 
 
 def test_wrong_calls_are_refused():

@@ -31,9 +31,9 @@ from flatland_server.arguments import several
 from flatland_server.config.ros_names import is_topic
 from flatland_server.exceptions import MessageError, RecordingError, shortened
 from flatland_server.geometry import Transform
+from flatland_server.hub.map_to_odom import MapToOdom
 from flatland_server.messages.message_types import get
 from flatland_server.messages.wire_form import serialized
-from flatland_server.serving.map_to_odom import MapToOdom
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.frame_registry import OdometryFrame
 from flatland_server.transport.local_transport import LocalTransport

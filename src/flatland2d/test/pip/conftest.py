@@ -16,7 +16,7 @@ from email.parser import BytesParser
 from pathlib import Path
 
 import pytest
-from forks import running_forks
+from without_ros import BLOCK_ROS
 
 ROOT = Path(__file__).resolve().parents[4]
 FOLDER = ROOT / "build" / "test" / "pip"
@@ -158,19 +158,26 @@ class Reader:
     It has the tests' packages from PyPI, which costs less than an environment with all extras.
     """
 
-    def __init__(self, forks, command, variables):
-        self.forks = forks
+    def __init__(self, command, variables):
         self.command = command
         self._variables = variables
 
     def run(self, folder, *words):
         """Runs a Python program and returns its output; if it fails, so does the test."""
-        output = folder.with_suffix(".log")
-        words = [str(word) for word in words]
-        code = self.forks.start(words, folder, self._variables, output).wait(LIMIT)
-        if code != 0:
-            pytest.fail(f"{' '.join(words)}: exit code {code}\n{output.read_text()}", False)
-        return output.read_text()
+        words = [sys.executable, *map(str, words)]
+        result = subprocess.run(
+            words,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=LIMIT,
+            cwd=folder,
+            env=self._variables,
+        )
+        if result.returncode != 0:
+            code = result.returncode
+            pytest.fail(f"{' '.join(words)}: exit code {code}\n{result.stdout}", False)
+        return result.stdout
 
 
 @pytest.fixture(scope="session")
@@ -179,20 +186,21 @@ def reader(wheel, tmp_path_factory):
     folder = tmp_path_factory.mktemp("unpacked")
     with zipfile.ZipFile(wheel) as archive:
         archive.extractall(folder)
+    (folder / "sitecustomize.py").write_text(BLOCK_ROS)  # each Python begins with it
     command = folder / "bin" / "flatland"
     command.parent.mkdir()
     command.write_text(FLATLAND)
     command.chmod(0o755)
     of_tests = [path for path in sys.path if path.startswith(f"{ROOT}/build/test/")]
-    variables = {
-        **environment(),
-        "HOME": str(folder),
-        "PATH": f"{command.parent}:{os.environ['PATH']}",
-        "PYTHONPATH": os.pathsep.join([str(folder), *of_tests]),
-    }
-    program = Path(__file__).with_name("forks_without_ros.py")
-    with running_forks(sys.executable, str(program), environment=variables) as forks:
-        yield Reader(forks, command, variables)
+    return Reader(
+        command,
+        {
+            **environment(),
+            "HOME": str(folder),
+            "PATH": f"{command.parent}:{os.environ['PATH']}",
+            "PYTHONPATH": os.pathsep.join([str(folder), *of_tests]),
+        },
+    )
 
 
 def with_wheel(name, wheel, *more, extra=""):

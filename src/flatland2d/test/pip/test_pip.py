@@ -297,7 +297,7 @@ VIEWED = EXAMPLES.partition("shows the worlds of ")[2].partition(", and the")[0]
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT / "docs")))
 def test_a_page_that_pip_is_enough_for_does_what_it_says(page, reader, tmp_path):
-    reader.run(tmp_path, page_run.__file__, page, tmp_path, reader.forks.socket)
+    reader.run(tmp_path, page_run.__file__, page, tmp_path)
 
 
 @pytest.mark.parametrize("number", [1, 21, 41], ids=["gaps", "planner", "trained"])

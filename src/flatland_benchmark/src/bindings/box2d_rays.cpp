@@ -9,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 #include <vector>
 
 namespace py = pybind11;
@@ -21,12 +20,6 @@ using Point = std::array<double, 2>;
 using Pose = std::array<double, 3>;
 
 b2Vec2 ToBox2D(double x, double y) { return {static_cast<float>(x), static_cast<float>(y)}; }
-
-void RequireColumns(const Rows& rows, py::ssize_t columns) {
-  if (rows.ndim() != 2 || rows.shape(1) != columns) {
-    throw std::invalid_argument("expected an array of shape (n, " + std::to_string(columns) + ")");
-  }
-}
 
 /// Keeps the nearest fixture on a ray; Box2D reports them in any order.
 class Nearest : public b2RayCastCallback {
@@ -46,7 +39,6 @@ class World {
  public:
   /// Adds walls, each a two-sided edge of one static body, in this order.
   void AddWalls(const Rows& segments) {
-    RequireColumns(segments, 4);
     const auto rows = segments.unchecked<2>();
     const b2BodyDef definition;
     b2Body* body = world_.CreateBody(&definition);
@@ -74,9 +66,6 @@ class World {
   }
 
   void AddPolygon(size_t body, const std::vector<Point>& vertices) {
-    if (vertices.size() < 3 || vertices.size() > b2_maxPolygonVertices) {
-      throw std::invalid_argument("a polygon needs 3 to 8 vertices");
-    }
     std::vector<b2Vec2> points;
     for (const Point& vertex : vertices) points.push_back(ToBox2D(vertex[0], vertex[1]));
     b2PolygonShape shape;
@@ -87,7 +76,6 @@ class World {
   /// Casts one ray of length `range` after the other. Directions are unit vectors in the lidar's
   /// frame.
   py::array_t<double> Scan(const Rows& directions, const Pose& pose, double range) const {
-    RequireColumns(directions, 2);
     const auto rows = directions.unchecked<2>();
     py::array_t<double> ranges(rows.shape(0));
     double* out = ranges.mutable_data();

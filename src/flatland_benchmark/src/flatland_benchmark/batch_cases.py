@@ -2,15 +2,13 @@
 
 import math
 import time
-from functools import partial
 from pathlib import Path
-from typing import Any, Dict, List, NamedTuple, Optional
+from typing import Any, Dict
 
 import numpy as np
 
-from flatland2d.batch.simulation_batch import SimulationBatch
-from flatland_benchmark.case import Case, Figures
-from flatland_server.arrays import BoolArray
+from flatland2d import SimulationBatch
+from flatland_benchmark.case import Figures, case
 
 _CLEARANCE = 0.3
 """Clearance of the robots' starts [m]."""
@@ -23,21 +21,11 @@ _SCANS_FROM_A_POSE = 10
 _MEASURED = 2.0
 """Least duration of a measurement [s of real time]."""
 _BLOCK = 40_000
-"""Steps per block. The fastest block is reported too: other programs disturb it least."""
+"""Steps per block, after each of which robots that have collided are put elsewhere."""
 
 
-class Pace(NamedTuple):
-    """The division of an environment's step into physics steps."""
-
-    substeps: int
-    step_size: float  # [s]
-
-    @property
-    def name(self) -> str:
-        return f"{self.substeps}x{self.step_size * 1e3:g}ms"
-
-
-_PACES = (Pace(1, 0.05), Pace(20, 0.005))
+_PACES = {"1x50ms": (1, 0.05), "20x5ms": (20, 0.005)}
+"""Physics steps in a step of an environment, and their size [s]."""
 
 
 def office(worlds: Path, beams: int) -> Dict[str, Any]:
@@ -71,24 +59,34 @@ def office(worlds: Path, beams: int) -> Dict[str, Any]:
     }
 
 
-def run_batch(
-    worlds: Path, count: int, beams: int, pace: Pace, threads: int, calls: int = 1
-) -> Figures:
-    """Environments with robots all over the office that drive at random until they collide.
-
-    Each step is divided into `calls` masked calls, as if each part were in a world of its own.
-    """
+@case(
+    "batch_{count}_{beams}_{pace}",
+    "{count} environments of the office, {beams} beams, steps of {pace}",
+    count=(1, 64, 1024),
+    beams=(64, 360),
+    pace=tuple(_PACES),
+)
+@case(
+    "batch_{count}_{beams}_{pace}_x{threads}",
+    "{count} environments of the office, {beams} beams, steps of {pace}, {threads} threads",
+    count=(1024,),
+    beams=(360,),
+    pace=tuple(_PACES),
+    threads=(2,),
+)
+def run_batch(worlds: Path, count: int, beams: int, pace: str, threads: int = 1) -> Figures:
+    """Environments with robots all over the office that drive at random until they collide."""
     before = proportional_memory()
     rng = np.random.default_rng(0)
+    substeps, step_size = _PACES[pace]
     with SimulationBatch(
-        office(worlds, beams), count, threads=threads, step_size=pace.step_size
+        office(worlds, beams), count, threads=threads, step_size=step_size
     ) as batch:
         spread(batch, rng)
         warm_up(batch, rng)
         spread(batch, rng)
         memory = proportional_memory() - before
-        figures = measure(batch, pace.substeps, rng, calls)
-        return {**figures, "memory [MB]": memory, **time_resets(batch, rng)}
+        return {**measure(batch, substeps, rng), "memory [MB]": memory}
 
 
 def spread(batch: SimulationBatch, rng: np.random.Generator) -> None:
@@ -107,87 +105,29 @@ def warm_up(batch: SimulationBatch, rng: np.random.Generator) -> None:
             batch.observe(out=out)
 
 
-def measure(batch: SimulationBatch, substeps: int, rng: np.random.Generator, calls: int) -> Figures:
+def measure(batch: SimulationBatch, substeps: int, rng: np.random.Generator) -> Figures:
     """Steps all environments for a while; resets in between are not counted."""
     out = batch.observe()
-    masks = masks_of(batch.num_envs, calls, rng)
-    count, seconds, cpu, fastest = 0, 0.0, 0.0, math.inf
+    count, seconds, cpu = 0, 0.0, 0.0
     steps = max(1, _BLOCK // batch.num_envs // substeps)
     while seconds < _MEASURED:
         actions = rng.uniform([0.0, -1.0], [0.6, 1.0], (batch.num_envs, 2))
         begin, begin_cpu = time.perf_counter(), time.process_time()
         for _ in range(steps):
-            for mask in masks:
-                batch.step(actions, substeps, out=out, mask=mask)
-        block = time.process_time() - begin_cpu
+            batch.step(actions, substeps, out=out)
+        cpu += time.process_time() - begin_cpu
         seconds += time.perf_counter() - begin
-        cpu += block
         count += steps * batch.num_envs
-        fastest = min(fastest, block / steps / batch.num_envs)
         if out.collided.any():
             poses = batch.free_poses(batch.num_envs, _CLEARANCE, rng)
             batch.reset(out.collided, poses=poses, out=out)
     return {
         "env steps/s": count / seconds,
-        "env step [us]": seconds / count * 1e6,
         "CPU per env step [us]": cpu / count * 1e6,
-        "fastest CPU per env step [us]": fastest * 1e6,
     }
-
-
-def masks_of(count: int, parts: int, rng: np.random.Generator) -> List[Optional[BoolArray]]:
-    """Masks that divide the environments at random into parts; None for a single part."""
-    if parts == 1:
-        return [None]
-    part_of = rng.integers(parts, size=count)
-    return [part_of == part for part in range(parts)]
-
-
-def time_resets(batch: SimulationBatch, rng: np.random.Generator) -> Figures:
-    """Processor time of resets, without their scans."""
-    out = batch.observe()
-    rounds = max(1, 2000 // batch.num_envs)
-    poses = [batch.free_poses(batch.num_envs, _CLEARANCE, rng) for _ in range(rounds)]
-    resets = observations = 0.0
-    for each in poses:
-        batch.step(np.full((batch.num_envs, 2), 0.3), 20, out=out)
-        begin = time.process_time()
-        batch.reset(poses=each, out=out)
-        middle = time.process_time()
-        batch.observe(out=out)
-        resets += middle - begin
-        observations += time.process_time() - middle
-    return {"reset [us]": (resets - observations) / rounds / batch.num_envs * 1e6}
 
 
 def proportional_memory() -> float:
     """Memory of this process [MB]; pages mapped several times count once."""
-    for line in Path("/proc/self/smaps_rollup").read_text().splitlines():
-        if line.startswith("Pss:"):
-            return int(line.split()[1]) / 1024
-    raise RuntimeError("/proc/self/smaps_rollup has no Pss")
-
-
-def _case(count: int, beams: int, pace: Pace, threads: int, calls: int = 1) -> Case:
-    name = f"batch_{count}_{beams}_{pace.name}" + ("_x2" if threads > 1 else "")
-    name += "_masks" if calls > 1 else ""
-    environments = "1 environment" if count == 1 else f"{count} environments"
-    on = "2 threads" if threads > 1 else "1 thread"
-    on += f", in {calls} calls with masks" if calls > 1 else ""
-    return Case(
-        name,
-        f"{environments} of the office, {beams} beams, steps of {pace.name}, {on}",
-        partial(run_batch, count=count, beams=beams, pace=pace, threads=threads, calls=calls),
-    )
-
-
-BATCH_CASES = (
-    *(
-        _case(count, beams, pace, 1)
-        for count in (1, 64, 1024)
-        for beams in (64, 360)
-        for pace in _PACES
-    ),
-    *(_case(1024, 360, pace, 2) for pace in _PACES),
-    *(_case(count, 64, _PACES[0], 1, calls=3) for count in (64, 1024)),
-)
+    lines = Path("/proc/self/smaps_rollup").read_text().splitlines()
+    return next(int(line.split()[1]) / 1024 for line in lines if line.startswith("Pss:"))

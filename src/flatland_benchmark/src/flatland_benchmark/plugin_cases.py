@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Dict, Mapping, Sequence
 
 from flatland2d import Simulation
-from flatland_benchmark.case import Case, Figures
+from flatland_benchmark.case import Figures, case
 
 _STEPS = 100
 """Steps in a call."""
@@ -50,6 +50,7 @@ _WORLD_PLUGINS: Dict[str, Dict[str, Any]] = {
 """The same for plugins of the world."""
 
 
+@case("plugins", "what each plugin adds to a robot's step")
 def measure_plugins(worlds: Path) -> Figures:
     """Processor time that each plugin adds to a step of a robot that turns on the spot."""
     figures = {}
@@ -125,6 +126,3 @@ def _time_step(sim: Simulation) -> float:
     for _ in range(_CALLS):
         sim.step(_STEPS)
     return (time.process_time() - begin) / (_CALLS * _STEPS)
-
-
-PLUGIN_CASES = (Case("plugins", "what each plugin adds to a robot's step", measure_plugins),)

@@ -66,16 +66,8 @@ class Process:
     @property
     def memory(self) -> float:
         """Resident memory [MB]."""
-        return self._status("VmRSS:")
-
-    @property
-    def peak_memory(self) -> float:
-        """Its peak resident memory [MB]."""
-        return self._status("VmHWM:")
-
-    def _status(self, name: str) -> float:
         status = Path(f"/proc/{self._popen.pid}/status").read_text()
-        kilobytes = next(line for line in status.splitlines() if line.startswith(name))
+        kilobytes = next(line for line in status.splitlines() if line.startswith("VmRSS:"))
         return int(kilobytes.split()[1]) / 1024
 
     def new_lines(self) -> List[Any]:

@@ -1,104 +1,139 @@
-"""The scenes of the ray cases. The seed determines the poses of the lidar and the bodies."""
+"""The scenes of the ray cases: the same walls and bodies in Flatland and in Box2D."""
 
 import tempfile
 from pathlib import Path
-from typing import List, Tuple, Union
+from typing import Any, List, NamedTuple, Tuple
 
 import numpy as np
 from PIL import Image
 
-from flatland_benchmark.free_poses import free_poses, single_precision
-from flatland_benchmark.scene import Body, Circle, Polygon, Scene
+from flatland2d import Simulation
+from flatland_benchmark import _box2d_rays
+from flatland_benchmark.free_space import free_poses, single_precision
+from flatland_benchmark.outlines import trace_outlines
+from flatland_server.arrays import FloatArray
 from flatland_server.geometry import Pose
-from flatland_server.simulation.world import World
 
 POSES = 200
 """Number of lidar poses in each scene."""
 
+Shape = Tuple[Any, ...]
+"""("circle", center, radius) or ("polygon", vertices), in the body's frame [m]."""
 
-def office(worlds: Path, seed: int = 1) -> Scene:
+
+class Body(NamedTuple):
+    """A dynamic body at rest."""
+
+    pose: Pose
+    footprints: Tuple[Shape, ...]
+
+
+class Scene:
+    """Walls and bodies, and the poses of the lidar.
+
+    Args:
+        map_file: has the walls.
+        poses: of the lidar.
+        bodies: all of them visible to lidars.
+    """
+
+    def __init__(self, map_file: Path, poses: List[Pose], bodies: Tuple[Body, ...] = ()) -> None:
+        layers = [{"name": "map", "map": str(map_file)}]
+        self._simulation = Simulation({"properties": {}, "layers": layers})
+        self.world = self._simulation.world
+        self.poses = poses
+        self.bodies = bodies
+        self.segments = np.concatenate([layer.segments for layer in self.world.layers])
+        for body in bodies:
+            handle = self.world.physics.add_body("dynamic", body.pose)
+            for kind, *shape in body.footprints:
+                # Without collisions: they may overlap, and stay where they are.
+                getattr(handle, f"add_{kind}")(*shape, density=1.0, collides=False)
+
+    def in_box2d(self) -> List[_box2d_rays.World]:
+        """The scene in Box2D, for several orders of insertion: its speed depends on them."""
+        outlines = trace_outlines(self.segments)
+        longest_first = sorted(outlines, key=len, reverse=True)
+        return [self._insert(order) for order in (outlines, outlines[::-1], longest_first)]
+
+    def _insert(self, outlines: List[FloatArray]) -> _box2d_rays.World:
+        world = _box2d_rays.World()
+        world.add_walls(np.concatenate(outlines))
+        for body in self.bodies:
+            index = world.add_body(body.pose)
+            for kind, *shape in body.footprints:
+                getattr(world, f"add_{kind}")(index, *shape)
+        return world
+
+
+def office(worlds: Path) -> Scene:
     """The office's walls and furniture, from poses anywhere inside."""
-    return Scene(_world_of(worlds / "office/office.yaml"), _office_poses(worlds, POSES, seed))
+    return Scene(worlds / "office/office.yaml", _office_poses(worlds, POSES))
 
 
-def office_with_bodies(worlds: Path, seed: int = 1) -> Scene:
+def office_bodies(worlds: Path) -> Scene:
     """Fifty bodies around the office's lobby and the lidar among them."""
-    near = [pose for pose in _office_poses(worlds, 20 * POSES, seed) if np.hypot(*pose[:2]) < 8.0]
+    near = [pose for pose in _office_poses(worlds, 20 * POSES) if np.hypot(*pose[:2]) < 8.0]
     bodies = _fifty_bodies(near)
-    poses = _outside(bodies, near[50:])[:POSES]
-    return Scene(_world_of(worlds / "office/office.yaml"), poses, bodies)
+    return Scene(worlds / "office/office.yaml", _outside(bodies, near[50:])[:POSES], bodies)
 
 
-def _office_poses(worlds: Path, count: int, seed: int) -> List[Pose]:
-    rng = np.random.default_rng(seed)
-    return free_poses(worlds / "office/office.yaml", count, rng, reachable_from=(0.0, 0.0))
+def _office_poses(worlds: Path, count: int) -> List[Pose]:
+    return free_poses(worlds / "office/office.yaml", count, seed=1, reachable_from=(0.0, 0.0))
 
 
-def noisy_map(worlds: Path, seed: int = 1) -> Scene:
-    """Rooms of 10 x 10 m, full of single pixels, with 200,000 segments in all."""
-    rng = np.random.default_rng(seed)
-    with tempfile.TemporaryDirectory() as folder:
-        map_file = write_noisy_map(Path(folder), specks=0.00319)
-        return Scene(_world_of(map_file), free_poses(map_file, POSES, rng))
-
-
-def write_noisy_map(folder: Path, specks: float) -> Path:
-    """An image of 200 x 200 m and its map file: rooms, and a share of the pixels black."""
+def noisy_map(worlds: Path) -> Scene:
+    """Rooms of 10 x 10 m in 200 x 200 m, full of single pixels, with 200,000 segments in all."""
     rng = np.random.default_rng(1)
     pixels = np.full((4000, 4000), 254, np.uint8)
     pixels[100:3900:200, 100:3900] = 0
     pixels[100:3900, 100:3900:200] = 0
-    pixels[rng.random(pixels.shape) < specks] = 0
-    Image.fromarray(pixels).save(folder / "map.png")
-    path = folder / "map.yaml"
-    path.write_text("image: map.png\nresolution: 0.05\norigin: [0, 0, 0]\noccupied_thresh: 0.65\n")
-    return path
+    pixels[rng.random(pixels.shape) < 0.00319] = 0
+    with tempfile.TemporaryDirectory() as folder:
+        Image.fromarray(pixels).save(Path(folder, "map.png"))
+        path = Path(folder, "map.yaml")
+        path.write_text(
+            "{image: map.png, resolution: 0.05, origin: [0, 0, 0], occupied_thresh: 0.65}"
+        )
+        return Scene(path, free_poses(path, POSES, seed=1))
 
 
-def room(worlds: Path, seed: int = 1) -> Scene:
+def room(worlds: Path) -> Scene:
     """Four walls, 20 x 20 m."""
-    return Scene(_empty_room(), _room_poses(POSES, seed))
+    return _room(_room_poses(POSES))
 
 
-def room_with_bodies(worlds: Path, seed: int = 1) -> Scene:
+def bodies(worlds: Path) -> Scene:
     """The room with fifty bodies in view."""
-    bodies = _fifty_bodies(_room_poses(50, seed))
-    return Scene(_empty_room(), _outside(bodies, _room_poses(4 * POSES, seed)[50:])[:POSES], bodies)
+    bodies = _fifty_bodies(_room_poses(50))
+    return _room(_outside(bodies, _room_poses(4 * POSES)[50:])[:POSES], bodies)
 
 
-def _empty_room() -> World:
+def _room(poses: List[Pose], bodies: Tuple[Body, ...] = ()) -> Scene:
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "room.dat").write_text(
             "-10 -10 10 -10\n10 -10 10 10\n10 10 -10 10\n-10 10 -10 -10\n"
         )
         path = Path(folder, "room.yaml")
         path.write_text("{type: line_segments, data: room.dat, scale: 1, origin: [0, 0, 0]}")
-        return _world_of(path)
+        return Scene(path, poses, bodies)
 
 
-def _room_poses(count: int, seed: int) -> List[Pose]:
-    rng = np.random.default_rng(seed)
+def _room_poses(count: int) -> List[Pose]:
     limits = np.array([9.5, 9.5, np.pi])
-    return single_precision(rng.uniform(-limits, limits, (count, 3)))
+    return single_precision(np.random.default_rng(1).uniform(-limits, limits, (count, 3)))
 
 
-def _world_of(map_file: Path) -> World:
-    """A world of one map and nothing else."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "world.yaml")
-        path.write_text(f"properties: {{}}\nlayers: [{{name: map, map: {map_file}}}]\n")
-        return World.from_file(path)
-
-
-_BOX = Polygon(((-0.375, -0.25), (0.375, -0.25), (0.375, 0.25), (-0.375, 0.25)))
-_WEDGE = Polygon(((-0.25, -0.25), (0.375, 0.0), (-0.25, 0.25)))
-_KINDS: Tuple[Tuple[Union[Circle, Polygon], ...], ...] = (
-    (Circle((0.0, 0.0), 0.25),),
-    (Circle((0.0, 0.125), 0.0625), Circle((0.0, -0.125), 0.0625)),  # a pair of legs
+_BOX = ("polygon", ((-0.375, -0.25), (0.375, -0.25), (0.375, 0.25), (-0.375, 0.25)))
+_WEDGE = ("polygon", ((-0.25, -0.25), (0.375, 0.0), (-0.25, 0.25)))
+_TAIL = ("polygon", ((-0.5, -0.125), (-0.25, -0.125), (-0.25, 0.125), (-0.5, 0.125)))
+_KINDS: Tuple[Tuple[Shape, ...], ...] = (
+    (("circle", (0.0, 0.0), 0.25),),
+    (("circle", (0.0, 0.125), 0.0625), ("circle", (0.0, -0.125), 0.0625)),  # a pair of legs
     (_BOX,),
-    (_BOX, Circle((0.375, 0.0), 0.25)),
+    (_BOX, ("circle", (0.375, 0.0), 0.25)),
     (_WEDGE,),
-    (_WEDGE, Polygon(((-0.5, -0.125), (-0.25, -0.125), (-0.25, 0.125), (-0.5, 0.125)))),
+    (_WEDGE, _TAIL),
 )
 _FARTHEST = 0.65
 """Greatest distance of a footprint's edge from its body's origin [m]."""

@@ -1,18 +1,15 @@
 """flatland_server as a user runs it: with a ROS master, rosout, the node, and subscribers."""
 
-import json
 import os
 import shutil
 import sys
 import tempfile
 import time
 import xmlrpc.client
-from functools import lru_cache
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Type
+from typing import Any, Dict, List, NamedTuple, Optional, Set, Type
 
-import yaml
 from roslib.packages import find_node
 
 from flatland_benchmark.process import Process, wait_until
@@ -21,7 +18,6 @@ from flatland_server.testing.ports import free_port
 _NAME = "/flatland_benchmark"  # our name in calls to the master
 
 
-@lru_cache(maxsize=None)
 def executable(package: str, node: str) -> str:
     """The file of a package's node; rosrun starts several processes to find it."""
     file: str = find_node(package, node)[0]
@@ -69,19 +65,12 @@ class CountingSubscriber:
             limit=120.0,
         )
 
-    def end(self) -> Dict[str, Any]:
-        """Ends it; returns its last line."""
-        self._server.end(self.process)
-        last: Dict[str, Any] = json.loads(self.process.output.splitlines()[-1])
-        return last
-
     def _collect(self) -> None:
         for line in self.process.new_lines():
             if "simulated" in line:
-                received = {name: count["messages"] for name, count in line["received"].items()}
                 is_connected = line["connected"] == line["topics"]
                 self._readings.append(
-                    Reading(line["real"], line["simulated"], is_connected, received)
+                    Reading(line["real"], line["simulated"], is_connected, line["received"])
                 )
 
     def _pop(self) -> Optional[Reading]:
@@ -94,14 +83,8 @@ class Interval(NamedTuple):
     """The server's speed over some seconds of real time."""
 
     times_real_time: float
-    steps_per_second: float
-    cores: float
-    """Processor time per real time; above 1 if several threads are busy."""
-
-    @property
-    def cpu_per_step(self) -> float:
-        """Processor time of all threads per step [us]."""
-        return self.cores / self.steps_per_second * 1e6
+    cpu_per_step: float
+    """Processor time of all threads per step [us]."""
 
 
 class ServerProcess:
@@ -110,30 +93,17 @@ class ServerProcess:
     Args:
         world_file: the world that is run.
         update_rate: steps per second of real time.
-        rosout: whether rosout runs, as under roslaunch. It subscribes to /clock.
-        parameters: further arguments of the node.
-        limit: how long waiting for something may take, such as the start of the server [s].
     """
 
     STEP_SIZE = 0.005
 
-    def __init__(
-        self,
-        world_file: Path,
-        update_rate: float = float("inf"),
-        rosout: bool = True,
-        parameters: Sequence[str] = (),
-        limit: float = 60.0,
-    ) -> None:
+    def __init__(self, world_file: Path, update_rate: float = float("inf")) -> None:
         self._world_file = world_file
         self._update_rate = update_rate
-        self._rosout = rosout
-        self._parameters = parameters
-        self._limit = limit
         self._folder = tempfile.TemporaryDirectory(prefix="flatland_benchmark_")
         self._processes: List[Process] = []
-        port = free_port()
-        self.uri = f"http://127.0.0.1:{port}"
+        self._port = free_port()
+        self.uri = f"http://127.0.0.1:{self._port}"
         """The address of the ROS master."""
         self._master = xmlrpc.client.ServerProxy(self.uri)
         self._environment = {
@@ -142,9 +112,8 @@ class ServerProcess:
             "ROS_IP": "127.0.0.1",
             "ROS_HOME": self._folder.name,
             "ROS_LOG_DIR": self._folder.name,
-            "XDG_CONFIG_HOME": self._folder.name,  # the window's settings
+            "XDG_CONFIG_HOME": self._folder.name,
         }
-        self._port = port
 
     def __enter__(self) -> "ServerProcess":
         try:
@@ -167,29 +136,25 @@ class ServerProcess:
         self.start("rosmaster", [*rosmaster, "--core", "-p", str(self._port)])
         self.wait_until(self._has_master, "the ROS master")
         self._master.setParam(_NAME, "/use_sim_time", True)
-        if self._rosout:
-            self.start("rosout", [executable("rosout", "rosout")])
-            self.wait_until(lambda: "/rosout" in self.subscribers("/clock"), "rosout")
+        self.start("rosout", [executable("rosout", "rosout")])
+        self.wait_until(lambda: "/rosout" in self.subscribers("/clock"), "rosout")
         self.started_at = time.time()
-        self.server = self.start("flatland_server", self._command())
-        started = time.monotonic()
-        self.observer = self.subscribe("observer")
-        self.seconds_to_start = self.observer.next_reading().real - started
-
-    def _command(self) -> List[str]:
-        return [
-            *(executable("flatland_server", "flatland_server"), "__name:=flatland_server"),
-            f"_world_path:={self._world_file}",
-            f"_update_rate:={self._update_rate}",
-            f"_step_size:={self.STEP_SIZE}",
-            *self._parameters,
-        ]
-
-    def start(self, name: str, command: List[str], **environment: str) -> Process:
-        """Starts a program with our master; leaving the context ends it."""
-        process = Process(
-            name, command, Path(self._folder.name), {**self._environment, **environment}
+        node = [executable("flatland_server", "flatland_server"), "__name:=flatland_server"]
+        self.server = self.start(
+            "flatland_server",
+            [
+                *node,
+                f"_world_path:={self._world_file}",
+                f"_update_rate:={self._update_rate}",
+                f"_step_size:={self.STEP_SIZE}",
+            ],
         )
+        self.observer = self.subscribe("observer")
+        self.observer.next_reading()
+
+    def start(self, name: str, command: List[str]) -> Process:
+        """Starts a program with our master; leaving the context ends it."""
+        process = Process(name, command, Path(self._folder.name), self._environment)
         self._processes.append(process)
         return process
 
@@ -209,24 +174,18 @@ class ServerProcess:
         self.end(process)
         return process.output
 
-    def start_screen(self) -> str:
-        """Starts an X server, and returns the name of its display."""
-        options = ("-screen", "0", "1400x900x24", "-nolisten", "tcp", "-noreset")
-        screen = self.start("Xvfb", ["Xvfb", "-displayfd", "1", *options])
-        return f":{self.wait_until(lambda: screen.output.strip(), 'a screen')}"
-
     def end(self, process: Process) -> None:
         """Ends one program."""
         process.end()
         self._processes.remove(process)
 
-    def wait_until(self, holds: Any, what: str, limit: Optional[float] = None) -> Any:
+    def wait_until(self, holds: Any, what: str, limit: float = 60.0) -> Any:
         """The first true value of `holds()`.
 
         Raises:
             FlatlandError: it takes too long, or a process has ended; the text has their output.
         """
-        return wait_until(holds, what, self._processes, limit or self._limit)
+        return wait_until(holds, what, self._processes, limit)
 
     def subscribers(self, topic: str) -> Set[str]:
         """The nodes that have subscribed to a topic."""
@@ -241,18 +200,11 @@ class ServerProcess:
         end = self.observer.next_reading(begin.real + seconds)
         cores = (self.server.cpu_seconds - cpu) / (time.monotonic() - started)
         times_real_time = (end.simulated - begin.simulated) / (end.real - begin.real)
-        return Interval(times_real_time, times_real_time / self.STEP_SIZE, cores)
+        return Interval(times_real_time, cores / times_real_time * self.STEP_SIZE * 1e6)
 
     def settle(self, seconds: float) -> None:
         """Waits some seconds of real time."""
         self.observer.next_reading(time.monotonic() + seconds)
-
-    def diagnosis(self) -> Dict[str, str]:
-        """The values of the simulation's status on /diagnostics."""
-        text = self.call("rostopic", ["rostopic", "echo", "-n", "1", "/diagnostics"])
-        [message] = yaml.safe_load_all(text.replace("\n---", ""))
-        [status] = [s for s in message["status"] if s["name"].endswith(": simulation")]
-        return {pair["key"]: pair["value"] for pair in status["values"]}
 
     def _has_master(self) -> bool:
         try:

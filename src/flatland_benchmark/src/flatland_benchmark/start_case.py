@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import Dict
 
-from flatland_benchmark.case import Case, Figures
+from flatland_benchmark.case import Figures, case
 from flatland_benchmark.server_process import ServerProcess
 
 _ROUNDS = 10
@@ -20,6 +20,7 @@ _RUNNING = re.compile(r"^\[INFO\] \[(\d+\.\d+)[^\]]*\]: .*; running$", re.MULTIL
 """The line that the server logs before its first step, and its real time [s]."""
 
 
+@case("start", "imports, and the server until it runs the office")
 def measure_start(worlds: Path) -> Figures:
     """Processor time of imports, in processes of their own; real time until the office runs."""
     least: Dict[str, float] = {}
@@ -40,6 +41,3 @@ def _import(name: str) -> float:
     subprocess.run([sys.executable, "-c", f"import {name}"], check=True, env=environment)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-
-
-START_CASE = Case("start", "imports, and the server until it runs the office", measure_start)

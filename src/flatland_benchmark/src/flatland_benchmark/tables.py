@@ -1,29 +1,19 @@
-"""Rows of the benchmark's tables."""
+"""The table of every benchmark, in Markdown."""
 
 from typing import Union
 
-from flatland_benchmark.report import CaseReport
 
-_CASE, _FIGURE, _NUMBER = 26, 26, 14
-
-
-def row(case: str, figure: str, *cells: Union[str, float]) -> str:
-    """A line of a table; numbers have four digits, aligned on the right."""
-    texts = [cell if isinstance(cell, str) else f"{cell:.4g}" for cell in cells]
-    return f"{case:{_CASE}} {figure:{_FIGURE}}" + "".join(f"{text:>{_NUMBER}}" for text in texts)
+def row(*cells: Union[str, float], names: int = 1) -> str:
+    """A row; its first cells are names, the others are on the right. Numbers have four digits."""
+    texts = (cell if isinstance(cell, str) else _digits(cell) for cell in cells)
+    padded = (f"{text:<26}" if i < names else f"{text:>13}" for i, text in enumerate(texts))
+    return f"| {' | '.join(padded)} |"
 
 
-def figure_title(name: str, unit: str) -> str:
-    """A figure's name with its unit, if it has one."""
-    return f"{name} [{unit}]" if unit else name
+def _digits(number: float) -> str:
+    return f"{number:,.0f}" if abs(number) >= 1000 else f"{number:.4g}"
 
 
-HEADER = row("case", "figure", "median", "least", "most")
-
-
-def case_rows(name: str, case: CaseReport) -> str:
-    """The rows of a case."""
-    return "\n".join(
-        row(name, figure_title(key, figure.unit), figure.median, *figure.spread)
-        for key, figure in case.figures.items()
-    )
+def head(*cells: str, names: int = 1) -> str:
+    """The row of headings, and the line below it."""
+    return f"{row(*cells, names=names)}\n|{' --- |' * names}{' ---: |' * (len(cells) - names)}"

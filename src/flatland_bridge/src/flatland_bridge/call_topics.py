@@ -8,8 +8,9 @@ import orjson
 
 from flatland_bridge.budget import Budget
 from flatland_bridge.client_calls import reason_of
-from flatland_bridge.graph import BridgeError, Graph, Receive, Sample, Topics
+from flatland_bridge.graph import BridgeError, Graph, Receive, Topics
 from flatland_bridge.plain_form import from_plain, to_plain
+from flatland_bridge.sample import Sample
 from flatland_server.exceptions import shortened
 from flatland_server.messages.message_types import get
 from flatland_server.messages.service_types import ServiceType

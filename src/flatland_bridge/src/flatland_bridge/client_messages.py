@@ -198,3 +198,15 @@ def _whole(key: str, value: Any) -> int:
         found = shown(value)
         raise BridgeError(f"{key}: expected a whole number from 0 to {_UINT32}, found {found}")
     return int(value)
+
+
+def require_type(topic: str, expected: Optional[str], message: Any) -> None:
+    """Raises a BridgeError if a topic has another type than a message.
+
+    Args:
+        topic: its absolute name.
+        expected: the topic's type; None if it is not known.
+        message: to be published.
+    """
+    if expected not in (None, message._type):
+        raise BridgeError(f'the topic "{topic}" expects {expected}, found {message._type}')

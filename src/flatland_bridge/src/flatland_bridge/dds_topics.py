@@ -13,8 +13,9 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 
 from flatland_bridge.budget import Budgets
-from flatland_bridge.graph import BridgeError, Graph, Sample
+from flatland_bridge.graph import BridgeError, Graph
 from flatland_bridge.outbox import Stream
+from flatland_bridge.sample import Sample
 from flatland_server.exceptions import shortened
 from flatland_server.messages.message_types import deserialized
 

@@ -26,9 +26,10 @@ from flatland_bridge.client_messages import (
     whole,
     whole_numbers,
 )
-from flatland_bridge.graph import BridgeError, Graph, Sample
+from flatland_bridge.graph import BridgeError, Graph
 from flatland_bridge.outbox import Data, Outbox, Send, Stream
 from flatland_bridge.plain_form import from_plain, plain_text, to_plain
+from flatland_bridge.sample import Sample
 from flatland_server.exceptions import FlatlandError, MessageError, shortened
 from flatland_server.messages.message_types import deserialized, get
 from flatland_server.messages.wire_form import serialized

@@ -1,117 +1,17 @@
 """The interface between protocols and what they show: topics and services, from any thread."""
 
 from abc import ABC, abstractmethod
-from collections import deque
-from typing import Any, Callable, Deque, Dict, FrozenSet, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, FrozenSet, List, NamedTuple, Optional
 
 from flatland_bridge.budget import Budget
-from flatland_bridge.message_size import size_of
 from flatland_bridge.parameters import Parameters
+from flatland_bridge.sample import Sample
 from flatland_server.exceptions import FlatlandError, suggestion
-from flatland_server.messages.message_types import deserialized
 from flatland_server.messages.service_types import ServiceType
-from flatland_server.messages.wire_form import serialized
 
 
 class BridgeError(FlatlandError):
     """A client asks for a topic or service that does not exist, or for too much."""
-
-
-def require_type(topic: str, expected: Optional[str], message: Any) -> None:
-    """Raises a BridgeError if a topic has another type than a message.
-
-    Args:
-        topic: its absolute name.
-        expected: the topic's type; None if it is not known.
-        message: to be published.
-    """
-    if expected not in (None, message._type):
-        raise BridgeError(f'the topic "{topic}" expects {expected}, found {message._type}')
-
-
-_ENTRY = 1000
-"""Bytes of a message without its content."""
-
-_MOST_KEPT, _LARGEST_KEPT = 64, 64_000
-_kept: Deque[Tuple[Dict[str, bytes], str]] = deque()
-"""The latest encodings of messages, for further clients that want the same: 64 of at most 64 kB."""
-
-
-class Sample:
-    """A message of a topic, converted once for all clients.
-
-    Args:
-        topic: its absolute name.
-        nanoseconds: simulated time [ns].
-        message_type: the class of the message.
-        message: the message, which may be serialized in advance; or None.
-        data: the serialized message, if there is no message.
-        is_latched: whether it is kept anyway, for new subscribers.
-    """
-
-    def __init__(
-        self,
-        topic: str,
-        nanoseconds: int,
-        message_type: Any,
-        message: Optional[Any] = None,
-        data: Optional[bytes] = None,
-        is_latched: bool = False,
-    ) -> None:
-        self.topic = topic
-        self.nanoseconds = nanoseconds
-        self.message_type = message_type
-        self.is_latched = is_latched
-        self._message = message
-        self._data = data
-        self._size: Optional[int] = None
-        self._encodings: Dict[str, bytes] = {}
-
-    @property
-    def message(self) -> Any:
-        """The message with all of its fields."""
-        # One that is serialized in advance, or when it is sent, has no fields.
-        if type(self._message) is self.message_type:
-            return self._message
-        return deserialized(self.message_type, self.data)
-
-    @property
-    def data(self) -> bytes:
-        """The serialized message."""
-        if self._data is not None:
-            return self._data
-        return self.encoded("ros1", lambda sample: serialized(sample._message))
-
-    def encoded(self, name: str, encode: Callable[["Sample"], bytes]) -> bytes:
-        """The bytes that a protocol sends.
-
-        Args:
-            name: of the encoding.
-            encode: makes them.
-        """
-        data = self._encodings.get(name)
-        if data is None:
-            data = encode(self)
-            if len(data) <= _LARGEST_KEPT:
-                self._encodings[name] = data
-                _kept.append((self._encodings, name))
-                if len(_kept) > _MOST_KEPT:
-                    encodings, oldest = _kept.popleft()
-                    encodings.pop(oldest, None)
-        return data
-
-    @property
-    def size(self) -> int:
-        """The memory that it takes while it waits, roughly [bytes]."""
-        if self._size is None:
-            if self._data is not None:
-                size = len(self._data)
-            elif type(self._message) is self.message_type:
-                size = size_of(self._message)
-            else:
-                size = len(getattr(self._message, "_data", b""))
-            self._size = _ENTRY + size
-        return self._size
 
 
 Receive = Callable[[Sample], None]

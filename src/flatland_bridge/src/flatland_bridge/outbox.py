@@ -11,7 +11,7 @@ from contextlib import suppress
 from typing import Awaitable, Callable, Deque, Dict, Hashable, Optional, Sequence, Tuple, Union
 
 from flatland_bridge.budget import Budget
-from flatland_bridge.graph import Sample
+from flatland_bridge.sample import Sample
 from flatland_server.exceptions import shortened
 
 Data = Union[str, bytes]

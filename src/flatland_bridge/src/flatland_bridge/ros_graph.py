@@ -10,9 +10,11 @@ import rospy
 
 from flatland_bridge.budget import Budget
 from flatland_bridge.client_calls import let_the_next_begin
-from flatland_bridge.graph import Graph, Nodes, Receive, Sample, Topics, require_type
+from flatland_bridge.client_messages import require_type
+from flatland_bridge.graph import Graph, Nodes, Receive, Topics
 from flatland_bridge.parameters import ParameterError, Parameters
 from flatland_bridge.ros_services import RosServices
+from flatland_bridge.sample import Sample
 from flatland_server.exceptions import MessageError
 from flatland_server.messages import service_types
 from flatland_server.messages.message_types import get

@@ -8,9 +8,10 @@ import cbor2
 import orjson
 
 from flatland_bridge.client_messages import Message
-from flatland_bridge.graph import BridgeError, Sample
+from flatland_bridge.graph import BridgeError
 from flatland_bridge.outbox import Data
 from flatland_bridge.plain_form import to_plain
+from flatland_bridge.sample import Sample
 from flatland_server.exceptions import shortened
 
 COMPRESSIONS = ("none", "cbor", "cbor-raw")

@@ -1,50 +1,29 @@
 """A `LocalTransport` whose simulation other threads talk to."""
 
-import logging
 import threading
 import time
 from collections import Counter, deque
+from concurrent.futures import Future
 from functools import partial
-from typing import Any, Callable, Deque, Dict, Hashable, Mapping, Set, Tuple
+from typing import Any, Callable, Deque, Dict, Hashable, Mapping, Set, Tuple, TypeVar
 from typing import Counter as CounterType
 
+from flatland_bridge.client_calls import let_the_next_begin
 from flatland_bridge.graph import NODE, BridgeError
 from flatland_bridge.parameters import LocalParameters
+from flatland_server.hub.failures import Failures
 from flatland_server.transport.local_transport import LocalTransport
-from flatland_server.transport.thread_calls import ThreadCalls
+from flatland_server.transport.served_transport import ServedTransport
 from flatland_server.transport.topic_registry import ANY_TYPE, type_name
 from flatland_server.transport.transport import Publisher, Subscription
 
-logger = logging.getLogger(__name__)
+T = TypeVar("T")
 
 _MOST_WAITING = 1000
 """Messages and calls of a client that wait for the next step; further ones are refused."""
 
 
-class Failures:
-    """Keeps errors from ending the simulation. Each kind is logged once."""
-
-    def __init__(self) -> None:
-        self._kinds: Set[Tuple[str, str]] = set()
-
-    def catch(self, function: Callable[..., object], *arguments: Any) -> None:
-        """Calls a function.
-
-        Args:
-            function: may fail.
-            arguments: passed to it.
-        """
-        try:
-            function(*arguments)
-        except Exception as error:
-            name = getattr(function, "__qualname__", repr(type(function)))
-            kind = name, type(error).__name__
-            if kind not in self._kinds:
-                self._kinds.add(kind)
-                logger.exception("%s has failed; the simulation goes on", name)
-
-
-class SharedTransport(ThreadCalls, LocalTransport):
+class SharedTransport(LocalTransport, ServedTransport):
     """Runs what other threads ask for on the simulation's thread, between steps.
 
     Args:
@@ -107,6 +86,10 @@ class SharedTransport(ThreadCalls, LocalTransport):
 
     def end_error(self) -> Exception:
         return BridgeError("the simulation has ended")
+
+    def wait(self, future: "Future[T]") -> T:
+        let_the_next_begin()  # one that ends the wait, such as /pause
+        return super().wait(future)
 
     def process(self, timeout: float = 0.0) -> None:
         self._run_waiting()

@@ -1,48 +1,34 @@
 """The topics and services of a simulation in this process."""
 
 import threading
-from concurrent.futures import Future
 from functools import partial
 from pathlib import Path
-from typing import Any, Callable, Dict, FrozenSet, List, Optional, Set, Tuple, TypeVar
+from typing import Any, Callable, Dict, FrozenSet, List, Optional, Set, Tuple
 
 from flatland_bridge.budget import Budget
-from flatland_bridge.client_calls import let_the_next_begin
-from flatland_bridge.graph import BridgeError, Graph, Receive, Sample, Topics, require_type
+from flatland_bridge.client_messages import require_type
+from flatland_bridge.graph import BridgeError, Graph, Receive, Topics
 from flatland_bridge.message_size import size_of
+from flatland_bridge.sample import Sample
 from flatland_bridge.shared_transport import SharedTransport
 from flatland_bridge.simulation_interfaces import SimulationInterfaces
 from flatland_server.config.shipped_worlds import shipped_worlds
 from flatland_server.geometry import Transform
+from flatland_server.hub.assembly import open_hub
+from flatland_server.hub.client_files import ClientFiles
 from flatland_server.messages.message_types import TYPES, get
 from flatland_server.messages.service_types import ServiceType
-from flatland_server.messages.service_types import get as get_service
 from flatland_server.messages.stamps import stamp_offset
 from flatland_server.real_time_timer import RealTimeTimer
-from flatland_server.serving.client_edits import ClientEdits
-from flatland_server.serving.client_files import ClientFiles
-from flatland_server.serving.map_to_odom import FRAME_ID, MapToOdom
-from flatland_server.serving.model_marker_publisher import ModelMarkerPublisher
-from flatland_server.serving.model_publisher import ModelPublisher
-from flatland_server.serving.model_services import ModelServices
-from flatland_server.serving.service_host import Action, ServiceHost, answer
-from flatland_server.serving.state_publisher import StatePublisher
-from flatland_server.serving.state_services import StateServices
-from flatland_server.serving.wall_visualization import WallVisualization
-from flatland_server.serving.world_saving import WorldSaving
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.wall_timekeeper import WallTimekeeper
 from flatland_server.simulation.world import World
 from flatland_server.transport.serialized_transforms import TransformQueue
 from flatland_server.transport.tap import Tap
 
-T = TypeVar("T")
-
 Clock = get("rosgraph_msgs/Clock")
 TFMessage = get("tf2_msgs/TFMessage")
 
-_VIEW_RATE = 30.0
-"""Rate at which models and their states are published [Hz of real time]."""
 _TOPICS_PERIOD = 0.2
 """Real time between two looks for new topics [s]."""
 
@@ -73,36 +59,22 @@ class SimulatedGraph(Graph, Tap):
         self._open: Set[Tuple[str, Receive]] = set()  # subscriptions that have not ended
         self._lock = threading.Lock()  # with which alone topics come and go there
         self._wanted: FrozenSet[str] = frozenset()  # topics, as the transport knows them
-        self._host = _Host(self._transport, with_states=state_folder is not None)
         self._transforms = TransformQueue()
         self._own_topics = {"/tf": TFMessage._type}
         if not isinstance(manager.timekeeper, WallTimekeeper):
             self._own_topics["/clock"] = Clock._type
-        world = manager.world
-        self._walls = WallVisualization(world.layers, FRAME_ID, self._transport)
-        edits = ClientEdits(world)
-        publishers = (
-            ModelPublisher(manager, _VIEW_RATE),
-            ModelMarkerPublisher(world, _VIEW_RATE, FRAME_ID),
-            StatePublisher(manager, edits),
-            MapToOdom(self._transport, lambda: world.odometry_frames),
+        files = _WorldsByName(
+            manager.world, state_folder or manager.world.config.model_folders[0], world_name
         )
-        files = _WorldsByName(world, state_folder or world.config.model_folders[0], world_name)
-        ModelServices(world, self._host, files, edits)
-        StateServices(manager, self._host, files)
-        WorldSaving(manager, self._host, files, edits)
-        standard = SimulationInterfaces(
-            manager, self._host, self._host.actions, edits, files.worlds
-        )
-        for name, (kind, action) in standard.actions.items():
-            self._host.add(name, kind, action)
+        refused = ("save_state", "load_state", "save_world") if state_folder is None else ()
+        self._hub = open_hub(manager, files, refused=refused)
+        SimulationInterfaces(self._hub, files.worlds)
+        self._services = {f"/{name}": each for name, each in self._hub.services.items()}
         self._topics_timer = RealTimeTimer(_TOPICS_PERIOD)
         self._topics = self._present_topics()
         self._transport.open_tap(self)
-        catch = self._failures.catch
-        manager.after_step.append(partial(catch, self._send_step))
-        manager.on_tick += [partial(catch, publisher.update) for publisher in publishers]
-        manager.on_tick.append(partial(catch, self._update))
+        manager.after_step.append(partial(self._failures.catch, self._send_step))
+        self._hub.on_tick(self._update)
 
     # Graph
 
@@ -112,7 +84,7 @@ class SimulatedGraph(Graph, Tap):
 
     @property
     def services(self) -> Dict[str, ServiceType]:
-        return self._host.services
+        return {name: service.type for name, service in self._services.items()}
 
     @property
     def nanoseconds(self) -> int:
@@ -169,7 +141,8 @@ class SimulatedGraph(Graph, Tap):
             raise
 
     def call(self, service: str, request: Any) -> Any:
-        response = answer(self.service_type(service), self._host.actions[service], request)
+        self.service_type(service)  # it exists
+        response = self._services[service].answer(request)
         if getattr(response, "success", True):
             self._transport.call(self._follow_topics)  # so that the client finds new ones at once
         return response
@@ -201,7 +174,6 @@ class SimulatedGraph(Graph, Tap):
     def _update(self) -> None:
         if self._topics_timer.check_update():
             self._follow_subscribers()
-            self._walls.update(self._manager.world.layers)
             self._follow_topics()
 
     def _follow_subscribers(self) -> None:
@@ -235,37 +207,6 @@ class SimulatedGraph(Graph, Tap):
     def _sample(self, topic: str, message: Any, *, is_latched: bool) -> Sample:
         message_type = get(message._type)
         return Sample(topic, self.nanoseconds, message_type, message, is_latched=is_latched)
-
-
-class _Host(ServiceHost):
-    """Keeps the services.
-
-    Args:
-        transport: hands calls over to the simulation's thread.
-        with_states: whether clients may save and load states, and save worlds.
-    """
-
-    def __init__(self, transport: SharedTransport, *, with_states: bool) -> None:
-        self.actions: Dict[str, Action] = {}
-        self.services: Dict[str, ServiceType] = {}
-        self._transport = transport
-        self._refused = () if with_states else ("save_state", "load_state", "save_world")
-
-    def offer(self, name: str, type_name: str, action: Action) -> None:
-        if name not in self._refused:
-            self.add(name, get_service(type_name), action)
-
-    def add(self, name: str, service: ServiceType, action: Action) -> None:
-        """Offers a service of a type that is not one of Flatland's or of ROS."""
-        self.actions[f"/{name}"] = action
-        self.services[f"/{name}"] = service
-
-    def call(self, function: Callable[[], T]) -> T:
-        return self._transport.call(function)
-
-    def wait(self, future: "Future[T]") -> T:
-        let_the_next_begin()  # one that ends the wait, such as /pause
-        return self._transport.wait(future)
 
 
 class _WorldsByName(ClientFiles):

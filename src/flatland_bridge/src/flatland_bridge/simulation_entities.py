@@ -10,14 +10,12 @@ from flatland_bridge.simulation_results import Calls, Failure, Result, path_of, 
 from flatland_server.config.ros_names import namespace_problem, topic_name_problem
 from flatland_server.exceptions import ModelError, YamlError, shortened
 from flatland_server.geometry import Pose
+from flatland_server.hub.client_files import told
+from flatland_server.hub.hub import Action, Hub
+from flatland_server.hub.map_to_odom import FRAME_ID
 from flatland_server.messages import fill_pose, fill_twist, header, yaw_of
 from flatland_server.messages.message_types import get
 from flatland_server.models.model import Model
-from flatland_server.serving.client_edits import ClientEdits
-from flatland_server.serving.client_files import told
-from flatland_server.serving.map_to_odom import FRAME_ID
-from flatland_server.serving.service_host import Action, ServiceHost
-from flatland_server.simulation.simulation_manager import SimulationManager
 
 _Pose2D = get("geometry_msgs/Pose2D")
 _Resource = simulation_types.message("Resource")
@@ -37,18 +35,14 @@ class EntityServices:
     """Services that spawn, delete, show and move models.
 
     Args:
-        manager: the simulation.
-        host: runs what changes it.
+        hub: has the models, and is told of changes.
         call: calls Flatland's own services.
-        edits: is told of changes.
     """
 
-    def __init__(
-        self, manager: SimulationManager, host: ServiceHost, call: Calls, edits: ClientEdits
-    ) -> None:
-        self._manager = manager
-        self._edits = edits
-        self._host = host
+    def __init__(self, hub: Hub, call: Calls) -> None:
+        self._manager = hub.manager
+        self._edits = hub.edits
+        self._transport = hub.transport
         self._call = call
 
     @property
@@ -73,7 +67,7 @@ class EntityServices:
             own = {entry.name for entry in world.config.models}
             return [name for name in world.models if name not in own]
 
-        self._call("/delete_models", "DeleteModels", name=self._host.call(spawned))
+        self._call("delete_models", name=self._transport.call(spawned))
 
     def _spawn_entity(self, request: Any) -> Dict[str, Any]:
         return {"entity_name": self._spawn(request)}
@@ -100,11 +94,10 @@ class EntityServices:
             raise Failure(_SpawnResult.NAMESPACE_INVALID, problem)
         start = request.initial_pose
         pose = _pose_in_world(start.header, start.pose, _SpawnResult.INVALID_POSE)
-        service = "/spawn_model" if resource.uri else "/spawn_model_from_string"
+        service = "spawn_model" if resource.uri else "spawn_model_from_string"
         try:
             self._call(
                 service,
-                "SpawnModel",
                 yaml_path=path_of(resource.uri) or resource.resource_string,
                 name=name,
                 ns=request.entity_namespace,
@@ -119,7 +112,7 @@ class EntityServices:
         problem = topic_name_problem(wanted) if wanted or not may_rename else None
         if problem:
             raise Failure(_SpawnResult.NAME_INVALID, problem)
-        taken = self._host.call(lambda: list(self._manager.world.models))
+        taken = self._transport.call(lambda: list(self._manager.world.models))
         if wanted and wanted not in taken:
             return wanted
         if not may_rename:
@@ -128,8 +121,8 @@ class EntityServices:
         return next(name for name in (f"{stem}_{n}" for n in count(2)) if name not in taken)
 
     def _delete_entity(self, request: Any) -> None:
-        self._host.call(lambda: self._model(request.entity))
-        self._call("/delete_model", "DeleteModel", name=request.entity)
+        self._transport.call(lambda: self._model(request.entity))
+        self._call("delete_model", name=request.entity)
 
     def _model(self, name: str) -> Model:
         """A model; on the simulation's thread.
@@ -143,7 +136,7 @@ class EntityServices:
             raise Failure(Result.RESULT_NOT_FOUND, str(error)) from None
 
     def _get_entities(self, request: Any) -> Dict[str, Any]:
-        models = self._host.call(lambda: self._filtered(request.filters))
+        models = self._transport.call(lambda: self._filtered(request.filters))
         return {"entities": [model.name for model in models]}
 
     def _get_entities_states(self, request: Any) -> Dict[str, Any]:
@@ -154,10 +147,10 @@ class EntityServices:
                 "states": [self._state_of(model) for model in models],
             }
 
-        return self._host.call(read)
+        return self._transport.call(read)
 
     def _get_entity_state(self, request: Any) -> Dict[str, Any]:
-        return {"state": self._host.call(lambda: self._state_of(self._model(request.entity)))}
+        return {"state": self._transport.call(lambda: self._state_of(self._model(request.entity)))}
 
     def _filtered(self, filters: Any) -> List[Model]:
         if filters.categories or filters.tags.tags or filters.bounds.type:
@@ -195,7 +188,7 @@ class EntityServices:
                 turning = (linear.x - turn * dy, linear.y + turn * dx, turn)
                 body.velocity = turning if request.set_twist else velocity
 
-        self._host.call(change)
+        self._transport.call(change)
 
     def _get_spawnables(self, request: Any) -> Dict[str, Any]:
         folders = self._manager.world.config.model_folders

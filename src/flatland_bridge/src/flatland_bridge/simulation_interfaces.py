@@ -1,17 +1,14 @@
 """The services of simulation_interfaces 2.1, which Gazebo and Isaac Sim offer, too."""
 
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional
 
 from flatland_bridge import simulation_types
 from flatland_bridge.simulation_entities import EntityServices
 from flatland_bridge.simulation_results import Calls, Failure, Result, path_of, with_result
 from flatland_server.exceptions import YamlError
-from flatland_server.messages.service_types import ServiceType
-from flatland_server.serving.client_edits import ClientEdits
-from flatland_server.serving.client_files import told
-from flatland_server.serving.service_host import Action, ServiceHost
-from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.hub.client_files import told
+from flatland_server.hub.hub import Hub
 
 _Resource = simulation_types.message("Resource")
 _Features = simulation_types.message("SimulatorFeatures")
@@ -36,31 +33,17 @@ class SimulationInterfaces:
     """The services, made of those that Flatland has itself.
 
     Args:
-        manager: the simulation.
-        host: runs what changes it.
-        actions: of Flatland's own services, by their absolute names.
-        edits: is told of changes.
+        hub: offers the services; it has Flatland's own.
         worlds: returns the files of the worlds that clients can open by name.
     """
 
-    def __init__(
-        self,
-        manager: SimulationManager,
-        host: ServiceHost,
-        actions: Mapping[str, Action],
-        edits: ClientEdits,
-        worlds: Callable[[], List[Path]],
-    ) -> None:
-        self._manager = manager
+    def __init__(self, hub: Hub, worlds: Callable[[], List[Path]]) -> None:
+        self._manager = hub.manager
         self._worlds = worlds
-        self._host = host
-        self._call = Calls(actions)
-        self._entities = EntityServices(manager, host, self._call, edits)
+        self._transport = hub.transport
+        self._call = Calls(hub.services)
+        self._entities = EntityServices(hub, self._call)
         self._is_stopped = False  # it was, and has been paused since
-
-    @property
-    def actions(self) -> Dict[str, Tuple[ServiceType, Action]]:
-        """Their types and what they do, by their names."""
         actions = {
             **self._entities.actions,
             "reset_simulation": ("ResetSimulation", self._reset_simulation),
@@ -72,17 +55,16 @@ class SimulationInterfaces:
             "get_available_worlds": ("GetAvailableWorlds", self._get_worlds),
         }
         service = simulation_types.service
-        offers = {
-            name: (service(kind), with_result(action)) for name, (kind, action) in actions.items()
-        }
-        return {"get_simulator_features": (service("GetSimulatorFeatures"), _features), **offers}
+        hub.offer("get_simulator_features", service("GetSimulatorFeatures"), _features)
+        for name, (kind, action) in actions.items():
+            hub.offer(name, service(kind), with_result(action))
 
     def _reset_simulation(self, request: Any) -> None:
         scope = (request.scope or _Reset.SCOPE_ALL) & 7
         if scope == _Reset.SCOPE_SPAWNED:
             self._entities.delete_spawned()
         elif scope & _Reset.SCOPE_STATE and scope & _Reset.SCOPE_SPAWNED:
-            self._call("/reset", "Reset", restart_time=bool(scope & _Reset.SCOPE_TIME))
+            self._call("reset", restart_time=bool(scope & _Reset.SCOPE_TIME))
         else:
             raise Failure(
                 Result.RESULT_FEATURE_UNSUPPORTED,
@@ -97,7 +79,7 @@ class SimulationInterfaces:
         return int(_State.STATE_STOPPED if is_stopped else _State.STATE_PAUSED)
 
     def _get_state(self, request: Any) -> Dict[str, Any]:
-        return {"state": _State(self._host.call(self._state))}
+        return {"state": _State(self._transport.call(self._state))}
 
     def _set_state(self, request: Any) -> None:
         target = request.state.state
@@ -105,22 +87,22 @@ class SimulationInterfaces:
             raise Failure(
                 Result.RESULT_FEATURE_UNSUPPORTED, "expected to be stopped, playing or paused"
             )
-        if target == self._host.call(self._state):
+        if target == self._transport.call(self._state):
             raise Failure(
                 _SetState.ALREADY_IN_TARGET_STATE, "the simulation is in this state already"
             )
         if target == _State.STATE_PLAYING:
-            self._host.call(self._manager.resume)
+            self._transport.call(self._manager.resume)
         else:
-            self._host.call(self._manager.pause)
+            self._transport.call(self._manager.pause)
         if target == _State.STATE_STOPPED:
-            self._call("/reset", "Reset", restart_time=True)
+            self._call("reset", restart_time=True)
         self._is_stopped = target == _State.STATE_STOPPED
 
     def _step(self, request: Any) -> None:
-        if self._host.call(self._state) == _State.STATE_PLAYING:
+        if self._transport.call(self._state) == _State.STATE_PLAYING:
             raise Failure(Result.RESULT_INCORRECT_STATE, "the simulation is not paused")
-        self._call("/step", "Step", steps=request.steps or 1)
+        self._call("step", steps=request.steps or 1)
 
     def _load_world(self, request: Any) -> Dict[str, Any]:
         resource = request.world_resource
@@ -129,10 +111,10 @@ class SimulationInterfaces:
                 raise Failure(_LoadWorld.NO_RESOURCE, "expected a URI")
             raise Failure(Result.RESULT_FEATURE_UNSUPPORTED, "a world is loaded by its URI only")
         try:
-            self._call("/open_world", "OpenWorld", path=path_of(resource.uri))
+            self._call("open_world", path=path_of(resource.uri))
         except YamlError as error:
             raise Failure(_LoadWorld.RESOURCE_PARSE_ERROR, told(error)) from None
-        self._host.call(self._manager.pause)
+        self._transport.call(self._manager.pause)
         self._is_stopped = True
         return self._get_world(request)
 

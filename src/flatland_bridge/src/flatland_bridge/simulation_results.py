@@ -4,9 +4,8 @@ from typing import Any, Dict, Mapping, Optional
 
 from flatland_bridge import simulation_types
 from flatland_server.exceptions import FlatlandError
-from flatland_server.messages.service_types import get as get_service
-from flatland_server.serving.client_files import told
-from flatland_server.serving.service_host import Action
+from flatland_server.hub.client_files import told
+from flatland_server.hub.hub import Action, Service
 
 Result = simulation_types.message("Result")
 
@@ -47,20 +46,21 @@ class Calls:
     """Calls services of Flatland's own.
 
     Args:
-        actions: what they do, by their absolute names.
+        services: by their names.
     """
 
-    def __init__(self, actions: Mapping[str, Action]) -> None:
-        self._actions = actions
+    def __init__(self, services: Mapping[str, Service]) -> None:
+        self._services = services
 
-    def __call__(self, service: str, kind: str, /, **fields: Any) -> None:
+    def __call__(self, name: str, /, **fields: Any) -> None:
         """Calls a service.
 
         Raises:
             FlatlandError: it fails.
             ValueError: it fails.
         """
-        self._actions[service](get_service(f"flatland_msgs/{kind}").request(**fields))
+        service = self._services[name]
+        service.action(service.type.request(**fields))
 
 
 def path_of(uri: str) -> str:

@@ -8,12 +8,11 @@ import zipfile
 import zlib
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Dict, List, Tuple, Union
+from typing import Any, Dict, List, Sequence, Tuple, Union
 
 import numpy as np
 
 from flatland2d import FlatlandError, UsageError
-from flatland_gym.networks import layer_values
 from flatland_gym.observations import NEIGHBOR, neighbor_rows
 from flatland_server import Float32Array, FloatArray, PoseLike
 from flatland_server._core import GoalObserver
@@ -175,6 +174,17 @@ class Policy:
             size = bias.size
         if size != len(self.action_limits):
             raise ValueError(f"{size} outputs for {len(self.action_limits)} parts of an action")
+
+
+def layer_values(
+    weights: Sequence[Float32Array], biases: Sequence[Float32Array], inputs: Float32Array
+) -> List[Float32Array]:
+    """The inputs and the outputs of all layers of a network: shape (n, size) each."""
+    values = [inputs]
+    for number, (weight, bias) in enumerate(zip(weights, biases)):
+        value = values[-1] @ weight + bias
+        values.append(np.tanh(value) if number < len(weights) - 1 else value)
+    return values
 
 
 def _refusal(path: Path, problem: str) -> FlatlandError:

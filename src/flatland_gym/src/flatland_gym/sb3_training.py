@@ -1,22 +1,27 @@
-"""Training by the PPO of Stable-Baselines3, and policies out of its models."""
+"""PPO of Stable-Baselines3 for our environments, and policies out of its models."""
 
-import time
-from typing import Any, Callable, Dict, List, Tuple
+from typing import Any, Dict
 
 import numpy as np
 from gymnasium import spaces
 
 from flatland2d import UsageError
+from flatland_gym.navigation import Navigation
 from flatland_gym.policy import Policy
 from flatland_gym.sb3 import NavigationVecEnv
-from flatland_gym.training_progress import Progress, TrainingBar, TrainingInterrupted
+from flatland_gym.train import Mirror
 from flatland_server import Float32Array
 
 # After flatland_gym.sb3, which reports missing packages.
 import torch  # isort: skip
-from stable_baselines3 import PPO  # isort: skip
-from stable_baselines3.common.callbacks import BaseCallback  # isort: skip
-from stable_baselines3.common.vec_env import VecEnvWrapper, VecMonitor  # isort: skip
+from stable_baselines3.common.buffers import RolloutBuffer  # isort: skip
+from stable_baselines3.common.vec_env import (  # isort: skip
+    VecCheckNan,
+    VecEnvWrapper,
+    VecMonitor,
+    VecVideoRecorder,
+    unwrap_vec_wrapper,
+)
 
 PPO_ARGUMENTS: Dict[str, Any] = {
     "n_steps": 64,
@@ -26,7 +31,7 @@ PPO_ARGUMENTS: Dict[str, Any] = {
     "ent_coef": 1e-3,
     "policy_kwargs": {"log_std_init": -0.5},
 }
-"""Arguments of PPO for 64 to 128 environments: the settings of `flatland_gym.ppo`."""
+"""Arguments of PPO for 64 to 128 environments: the settings of `flatland_gym.train`."""
 
 
 class ScaledActions(VecEnvWrapper):
@@ -50,71 +55,65 @@ class ScaledActions(VecEnvWrapper):
         return self.venv.step_wait()
 
 
-class _Report(BaseCallback):
-    """Reports after each rollout, and ends the training at its limits."""
-
-    def __init__(self, seconds: float, report: Callable[[Progress], None]) -> None:
-        super().__init__()
-        self._seconds = seconds
-        self._report = report
-        self._began = time.monotonic()
-        self._ended: List[Tuple[bool, float]] = []
-
-    def _on_training_start(self) -> None:
-        self._began = time.monotonic()
-
-    def _on_step(self) -> bool:
-        for info in self.locals["infos"]:
-            if "episode" in info:
-                self._ended.append((info["success"], info["episode"]["r"]))
-        return time.monotonic() - self._began < self._seconds
-
-    def _on_rollout_end(self) -> None:
-        success, reward = np.mean(self._ended, axis=0) if self._ended else (np.nan, np.nan)
-        elapsed = time.monotonic() - self._began
-        count, self._ended = len(self._ended), []
-        self._report(Progress(self.num_timesteps, elapsed, count, float(success), float(reward)))
+_TRANSPARENT = (ScaledActions, VecMonitor, VecCheckNan, VecVideoRecorder)
+"""Wrappers that leave observations as they are, and actions or their scale."""
 
 
-def train(
-    env: NavigationVecEnv,
-    seed: int,
-    steps: int,
-    seconds: float,
-    report: Callable[[Progress], None],
-    progress_bar: bool = False,
-) -> Policy:
-    """Trains by PPO with `PPO_ARGUMENTS`, and closes the environments.
+class MirroredRollouts(RolloutBuffer):
+    """A rollout buffer of PPO that exchanges left and right in half of each minibatch.
 
     Args:
-        env: the environments.
-        seed: of all random numbers.
-        steps: to train at most, of all environments together.
-        seconds: to train at most.
-        report: called after each rollout.
-        progress_bar: whether tqdm shows a bar, as in `Ppo.train`.
+        arguments: of the buffer.
+        mirror: of the environments; see `mirrored`.
+        named: further arguments of the buffer.
+    """
+
+    def __init__(self, *arguments: Any, mirror: Mirror, **named: Any) -> None:
+        super().__init__(*arguments, **named)
+        self._mirror = mirror
+
+    def _get_samples(self, batch_inds: Any, env: Any = None) -> Any:
+        rows = super()._get_samples(batch_inds, env)
+        half, signs = len(batch_inds) // 2, self.to_torch(self._mirror.signs)
+        rows.observations[:half] = rows.observations[:half][:, self._mirror.order] * signs
+        rows.actions[:half] *= self.to_torch(self._mirror.action_signs)
+        return rows
+
+
+def mirrored(env: Any) -> Dict[str, Any]:
+    """Arguments of PPO that make it learn from mirror images, too: half of its rows.
+
+        PPO("MlpPolicy", env, **mirrored(env), **PPO_ARGUMENTS)
+
+    Args:
+        env: a `NavigationVecEnv`, also in `ScaledActions`.
 
     Raises:
-        TrainingInterrupted: Ctrl-C.
+        UsageError: its robot's lidar does not look to both sides alike, its observations are no
+            flat arrays, or a wrapper may change them.
     """
-    bar = TrainingBar(steps, seconds) if progress_bar else None
+    mirror = Mirror.of(_navigation(env))
+    if mirror is None:
+        raise UsageError("expected a robot with a lidar that looks to both sides alike")
+    return {"rollout_buffer_class": MirroredRollouts, "rollout_buffer_kwargs": {"mirror": mirror}}
 
-    def show(now: Progress) -> None:
-        report(now)
-        if bar is not None:
-            bar.show(now)
 
-    torch.set_num_threads(1)  # quicker than two for networks of 64 x 64
-    model = PPO("MlpPolicy", VecMonitor(ScaledActions(env)), seed=seed, **PPO_ARGUMENTS)
-    try:
-        model.learn(steps, callback=_Report(seconds, show))
-    except KeyboardInterrupt:
-        raise TrainingInterrupted(policy_of(model)) from None
-    finally:
-        env.close()
-        if bar is not None:
-            bar.close()
-    return policy_of(model)
+def _navigation(env: Any) -> Navigation:
+    """The navigation of environments, of which no wrapper changes the observations.
+
+    Raises:
+        UsageError: they are others, or a wrapper may change them.
+    """
+    while isinstance(env, VecEnvWrapper):
+        if not isinstance(env, _TRANSPARENT):
+            raise UsageError(
+                f"expected no {type(env).__name__}: a robot that is driven by the policy does not "
+                "have what this wrapper may change in observations or actions"
+            )
+        env = env.venv
+    if not isinstance(env, NavigationVecEnv) or not env.envs.navigation.settings.flatten:
+        raise UsageError("expected a model with a NavigationVecEnv of flat observations")
+    return env.envs.navigation
 
 
 def policy_of(model: Any) -> Policy:
@@ -124,14 +123,11 @@ def policy_of(model: Any) -> Policy:
         model: with an "MlpPolicy" of layers with tanh between them, as PPO and A2C have it.
 
     Raises:
-        UsageError: its policy is another one, or its environments are.
+        UsageError: its policy is another one, its environments are, or a wrapper changes what the
+            policy sees, such as VecNormalize and VecFrameStack.
     """
-    env, is_scaled = model.get_env(), False
-    while env is not None and not isinstance(env, NavigationVecEnv):
-        is_scaled = is_scaled or isinstance(env, ScaledActions)
-        env = getattr(env, "venv", None)
-    if env is None or not env.envs.navigation.settings.flatten:
-        raise UsageError("expected a model with a NavigationVecEnv of flat observations")
+    env = model.get_env()
+    navigation = _navigation(env)
     network = getattr(getattr(model.policy, "mlp_extractor", None), "policy_net", None)
     last = getattr(model.policy, "action_net", None)
     if network is None or last is None:
@@ -140,11 +136,11 @@ def policy_of(model: Any) -> Policy:
     if not all(isinstance(each, torch.nn.Tanh) for each in others):
         raise UsageError(f"expected tanh between the layers, found {others}")
     layers = [(_array(each.weight).T.copy(), _array(each.bias)) for each in (*hidden, last)]
-    if not is_scaled:
-        limits = np.array(env.envs.navigation.robot.action_limits, np.float32)
+    if unwrap_vec_wrapper(env, ScaledActions) is None:
+        limits = np.array(navigation.robot.action_limits, np.float32)
         layers[-1] = (layers[-1][0] / limits, layers[-1][1] / limits)
     weights, biases = zip(*layers)
-    return env.envs.navigation.policy(weights, biases)
+    return navigation.policy(weights, biases)
 
 
 def _array(tensor: Any) -> Float32Array:

@@ -7,7 +7,6 @@ import xmlrpc.client
 
 import pytest
 from blocks import blocks_of
-from forks import running_forks
 from page_run import PageRun
 from ros_processes import executable, free_port
 from waiting import wait_until
@@ -42,13 +41,6 @@ def master():
     process.wait(10)
 
 
-@pytest.fixture(scope="session")
-def forks():
-    """Starts the Python programs of all pages."""
-    with running_forks() as forks:
-        yield forks
-
-
 @pytest.fixture
 def environment(tmp_path_factory):
     """A reader's environment: a home, the workspace, and the tutorials' command `flatland`."""
@@ -59,7 +51,7 @@ def environment(tmp_path_factory):
 
 
 @pytest.fixture
-def run_page(tmp_path, environment, forks, request):
+def run_page(tmp_path, environment, request):
     """Runs a page in an empty folder, with a ROS master if it needs one."""
 
     def run(page):
@@ -71,6 +63,6 @@ def run_page(tmp_path, environment, forks, request):
             for parameter in proxy.getParamNames("/guide")[2]:  # of the page before
                 if parameter not in ("/run_id", "/rosdistro", "/rosversion"):
                     proxy.deleteParam("/guide", parameter)
-        PageRun(page, tmp_path, environment, forks).run()
+        PageRun(page, tmp_path, environment).run()
 
     return run

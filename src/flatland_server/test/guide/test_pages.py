@@ -5,15 +5,12 @@ Tutorials have a file of their own, for another process to run.
 
 import os
 import re
-import signal
 import subprocess
 
 import pytest
 from blocks import blocks_of, needs_of
 from console import commands_of
-from forks import python_words
 from page_run import ROOT, PageError, PageRun
-from waiting import wait_until
 
 DOCS = ROOT / "docs"
 PAGES = [page for page in sorted(DOCS.rglob("*.md")) if blocks_of(page)]
@@ -104,64 +101,3 @@ def test_a_block_that_does_otherwise_is_an_error(text, message, tmp_path):
 
     with pytest.raises(PageError, match=f"(?s){message}"):
         PageRun(page, folder, os.environ).run()
-
-
-@pytest.mark.parametrize(
-    ("command", "expected"),
-    [
-        ("tool -n 1 'a b' $HERE/c", None),  # a variable, and what might be one
-        ("tool -n 1 'a b'", ["tool", "-n", "1", "a b"]),
-        ('tool $HERE/c \\\n  "{x: 1}"', ["tool", "/here/c", "{x: 1}"]),
-        ("python3 -m pytest -q", ["-m", "pytest", "-q"]),
-        ("python3 a.py b", ["a.py", "b"]),
-        ("python3 -c 1", None),
-        ("tool | grep a", None),
-        ("X=1 tool", None),
-        ("tool > file", None),
-        ("tool $(tool)", None),
-        ("shell", None),
-    ],
-)
-def test_commands_that_only_start_a_python_program_are_recognised(command, expected, tmp_path):
-    for name, first_line in (("tool", "#!/usr/bin/env python3"), ("shell", "#!/bin/sh")):
-        (tmp_path / name).write_text(f"{first_line}\n")
-        (tmp_path / name).chmod(0o755)
-    words = python_words(command, {"PATH": f"{tmp_path}:/usr/bin", "HERE": "/here"})
-
-    if expected and expected[0] == "tool":
-        expected = [str(tmp_path / "tool"), *expected[1:]]
-    assert words == expected
-
-
-@pytest.mark.slow
-def test_a_fork_is_a_process_of_its_own(forks, tmp_path):
-    (tmp_path / "modules").mkdir()
-    (tmp_path / "modules" / "inner.py").write_text("WORD = 'inner'\n")
-    (tmp_path / "beside.py").write_text("WORD = 'beside'\n")
-    program = tmp_path / "program.py"
-    program.write_text(
-        "import os, sys, beside, inner\n"
-        "print(__name__, sys.argv[1:], os.getcwd(), beside.WORD, inner.WORD, sys.stdin.read())\n"
-        "print(sorted(os.environ), file=sys.stderr)\n"
-        "sys.exit(3)\n"
-    )
-    output = tmp_path / "output"
-    environment = {"PYTHONPATH": str(tmp_path / "modules")}
-
-    assert forks.start([str(program), "a b"], tmp_path, environment, output).wait(30.0) == 3
-    lines = output.read_text().splitlines()
-    assert lines == [f"__main__ ['a b'] {tmp_path} beside inner ", "['PYTHONPATH']"]
-
-
-@pytest.mark.slow
-def test_a_fork_is_ended_by_ctrl_c(forks, tmp_path):
-    program = tmp_path / "program.py"
-    program.write_text("import signal\nprint('waits', flush=True)\nsignal.pause()\n")
-    output = tmp_path / "output"
-    running = forks.start([str(program)], tmp_path, {}, output)
-    wait_until(lambda: "waits" in output.read_text(), "the program")
-
-    assert running.poll() is None
-    os.killpg(running.pid, signal.SIGINT)
-    assert running.wait(30.0) == -signal.SIGINT
-    assert "KeyboardInterrupt" in output.read_text()

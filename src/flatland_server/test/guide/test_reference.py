@@ -1,9 +1,8 @@
-"""The reference agrees with the code: keys, arguments, definitions, figures."""
+"""The reference agrees with the code: keys, arguments, definitions."""
 
 import importlib
 import re
 
-import figures
 import pytest
 import reference_tables
 import samples
@@ -112,7 +111,3 @@ def test_each_name_that_docs_tell_to_import_is_on_a_page_of_the_python_api(docum
 
     assert "flatland_navigation.grid.Grid" in told
     assert told - documented == set()
-
-
-def test_the_figures_are_those_that_the_code_makes():
-    assert figures.outdated() == [], "run scripts/docs --update"

@@ -9,7 +9,7 @@ from typing_extensions import assert_type
 import flatland_gym
 from flatland_gym import NavigationVectorEnv, Policy, RewardWeights, Transition
 from flatland_gym.evaluation import evaluate
-from flatland_gym.ppo import Ppo
+from flatland_gym.train import Ppo
 from flatland_navigation.grid import Grid
 from flatland_navigation.navigator import Navigator, NavigatorConfig
 from flatland_server import FloatArray

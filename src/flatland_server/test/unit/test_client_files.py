@@ -6,7 +6,7 @@ import socket
 import pytest
 
 from flatland_server.exceptions import FlatlandError, StateError, YamlError
-from flatland_server.serving.client_files import ClientFiles, told
+from flatland_server.hub.client_files import ClientFiles, told
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.simulation.world_state import read_state, write_state

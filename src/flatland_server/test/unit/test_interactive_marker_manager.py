@@ -8,8 +8,8 @@ from rospy import rostime
 from visualization_msgs.msg import InteractiveMarkerFeedback
 
 from flatland_server import Circle
+from flatland_server.hub.client_edits import ClientEdits
 from flatland_server.ros.interactive_marker_manager import InteractiveMarkerManager
-from flatland_server.serving.client_edits import ClientEdits
 
 DISC = "bodies: [{name: base, footprints: [{type: circle, radius: 0.5, density: 1}]}]"
 
@@ -40,7 +40,8 @@ def test_a_handle_follows_a_changed_footprint_but_not_while_it_is_dragged(files,
     manager = SimpleNamespace(world=world, is_stepping=True, is_held=False)
     calls = SimpleNamespace(marker_server=Server)
     transport = SimpleNamespace(rospy_calls=calls, post=lambda action: action())
-    markers = InteractiveMarkerManager(manager, transport, 1e9, "map", ClientEdits(manager.world))
+    hub = SimpleNamespace(manager=manager, world=world, edits=ClientEdits(world))
+    markers = InteractiveMarkerManager(hub, transport, 1e9)
     server = markers._server
 
     def send(event):

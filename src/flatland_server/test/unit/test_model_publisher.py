@@ -5,7 +5,7 @@ import math
 import pytest
 
 from flatland_server import Circle, Pose
-from flatland_server.serving.model_publisher import ModelPublisher
+from flatland_server.hub.model_publisher import ModelPublisher
 from flatland_server.transport.tap import Tap
 
 CART = """

@@ -19,7 +19,7 @@ LAYERS = (  # each may import those before it
     "transport",
     "plugins",
     "simulation",
-    "serving",
+    "hub",
     "testing",
     "ros.rospy_patches",
     "ros",

@@ -4,8 +4,8 @@ import logging
 
 import pytest
 
+from flatland_server.hub.recent_log import RecentLog
 from flatland_server.real_time_timer import RealTimeTimer
-from flatland_server.serving.recent_log import RecentLog
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.timekeeper import Timekeeper
 

@@ -1,60 +1,42 @@
 """Services of time and state that are refused."""
 
 import pytest
+from direct_transport import DirectTransport
 
 from flatland_server.exceptions import FlatlandError
-from flatland_server.serving.client_files import ClientFiles
-from flatland_server.serving.service_host import ServiceHost
-from flatland_server.serving.state_services import StateServices
+from flatland_server.hub.client_files import ClientFiles
+from flatland_server.hub.hub import Hub
+from flatland_server.hub.state_services import StateServices
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.transport.local_transport import LocalTransport
-
-
-class DirectCalls(ServiceHost):
-    """Makes calls for the simulation's thread at once."""
-
-    def __init__(self):
-        self.actions = {}
-
-    def offer(self, name, type_name, action):
-        self.actions[name] = action
-
-    def call(self, action):
-        return action()
-
-    def wait(self, future):
-        return future.result()
 
 
 def test_a_reload_does_not_undo_that_another_world_was_opened_meanwhile(files, monkeypatch):
     """A request for the first world is still reading its file when the second one is there."""
     paths = [files.write(name, "properties: {}\nlayers: []\n") for name in ("a.yaml", "b.yaml")]
     first, second = (WorldConfig.from_file(path) for path in paths)
-    host = DirectCalls()
-    world = World(first, LocalTransport())
+    world = World(first, DirectTransport())
     manager = SimulationManager(world, Timekeeper(0.005))
-    StateServices(manager, host, ClientFiles(world, None), 0.1)
+    hub = Hub(manager, ClientFiles(world, None))
+    StateServices(hub, 0.1)
     monkeypatch.setattr(world, "read_config", lambda: manager.reload(second) or first)
 
     with pytest.raises(FlatlandError, match="another world was loaded while the file was read"):
-        host.actions["reload_world"](None)
+        hub.services["reload_world"].action(None)
 
     monkeypatch.undo()
     assert world.read_config().path == paths[1]
 
 
-class RunsSteps(DirectCalls):
-    """Makes calls at once, and the steps that they ask for."""
+class RunsSteps(DirectTransport):
+    """Makes the steps that calls ask for, too."""
 
-    def __init__(self, manager):
-        super().__init__()
-        self._manager = manager
+    manager = None
 
     def wait(self, future):
-        self._manager.run(lambda: not future.done())
+        self.manager.run(lambda: not future.done())
         return super().wait(future)
 
 
@@ -63,11 +45,13 @@ def serve(files):
     """Returns the manager and the services of a world without models."""
 
     def serve_with(step_size, *settings):
-        world = World(WorldConfig.from_file(files.write("a.yaml", "properties: {}\nlayers: []\n")))
-        manager = SimulationManager(world, Timekeeper(step_size))
-        host = RunsSteps(manager)
-        StateServices(manager, host, ClientFiles(world, None), *settings)
-        return manager, host.actions
+        transport = RunsSteps()
+        path = files.write("a.yaml", "properties: {}\nlayers: []\n")
+        world = World(WorldConfig.from_file(path), transport)
+        transport.manager = manager = SimulationManager(world, Timekeeper(step_size))
+        hub = Hub(manager, ClientFiles(world, None))
+        StateServices(hub, *settings)
+        return manager, {name: service.action for name, service in hub.services.items()}
 
     return serve_with
 

@@ -15,13 +15,13 @@ from visualization_msgs.msg import (
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
+from flatland_server.hub.hub import Hub
+from flatland_server.hub.map_to_odom import FRAME_ID
 from flatland_server.messages import fill_pose, yaw_of
 from flatland_server.messages.model_markers import preview
 from flatland_server.models.model import Model
 from flatland_server.real_time_timer import RealTimeTimer
 from flatland_server.ros.ros_transport import RosTransport
-from flatland_server.serving.client_edits import ClientEdits
-from flatland_server.simulation.simulation_manager import SimulationManager
 
 _DELETE = 1
 _HANDLE_Z = 0.05
@@ -56,27 +56,17 @@ class InteractiveMarkerManager:
     While a model is dragged, the simulation is held.
 
     Args:
-        manager: the simulation with the models.
+        hub: has the models, and is told of changes.
         transport: hands feedback over to the simulation's thread.
         rate: how often markers follow their models [Hz of real time], while there are subscribers.
-        frame_id: of the world.
-        edits: is told of changes.
     """
 
-    def __init__(
-        self,
-        manager: SimulationManager,
-        transport: RosTransport,
-        rate: float,
-        frame_id: str,
-        edits: ClientEdits,
-    ) -> None:
-        self._edits = edits
-        self._manager = manager
-        self._world = manager.world
+    def __init__(self, hub: Hub, transport: RosTransport, rate: float) -> None:
+        self._edits = hub.edits
+        self._manager = hub.manager
+        self._world = hub.world
         self._transport = transport
         self._timer = RealTimeTimer(1.0 / rate)
-        self._frame_id = frame_id
         self._server = transport.rospy_calls.marker_server("interactive_model_markers")
         self._keep_alive_due = rospy.Time()
         self._keep_alive_timer = RealTimeTimer(_REAL_KEEP_ALIVE_PERIOD)
@@ -123,7 +113,7 @@ class InteractiveMarkerManager:
             pose = model.base.physics_body.pose
             self._shown[name] = _Handle(model, model.footprint_revision, centre, pose)
             self._server.insert(
-                _interactive_marker(model, centre, radius, self._frame_id),
+                _interactive_marker(model, centre, radius),
                 lambda feedback: self._transport.post(lambda: self._on_feedback(feedback)),
             )
         return gone, new
@@ -216,19 +206,16 @@ def _circle_around(model: Model) -> Tuple[Pose, float]:
     return Pose(x, y, 0.0), max(math.dist((x, y), point) for point in points)
 
 
-def _interactive_marker(
-    model: Model, centre: Pose, radius: float, frame_id: str
-) -> InteractiveMarker:
+def _interactive_marker(model: Model, centre: Pose, radius: float) -> InteractiveMarker:
     """The marker of a model: its footprints to drag it, and a ring to turn it.
 
     Args:
         model: the model.
         centre: of the ring, in the model's frame.
         radius: of a circle around the model [m].
-        frame_id: of the world.
     """
     marker = InteractiveMarker(name=model.name, pose=_pose_message(model.pose.compose(centre)))
-    marker.header.frame_id = frame_id  # no stamp: feedback comes in this frame
+    marker.header.frame_id = FRAME_ID  # no stamp: feedback comes in this frame
     marker.menu_entries = [MenuEntry(id=_DELETE, title=f"Delete {model.name}")]
     shapes = [shape for shape in preview(model.config) if shape.type == Marker.TRIANGLE_LIST]
     for shape in shapes:

@@ -9,7 +9,7 @@ import logging
 import threading
 import time
 from collections import Counter, deque
-from typing import Any, Callable, Deque, Dict, Mapping, Optional, Sequence, Tuple
+from typing import Any, Callable, ContextManager, Deque, Dict, Mapping, Optional, Sequence, Tuple
 from typing import Counter as CounterType
 
 import rospy
@@ -21,20 +21,20 @@ from flatland_server.ros import raw_messages
 from flatland_server.ros.rospy_patches import RospyCalls
 from flatland_server.transport.arrivals import Arrival
 from flatland_server.transport.message_writer import MessageWriter
-from flatland_server.transport.node import Frames, Publisher, Subscription, Transport
+from flatland_server.transport.node import Frames, Publisher, Subscription
 from flatland_server.transport.serialized_transforms import SerializedFrames, TransformQueue
+from flatland_server.transport.served_transport import ServedTransport
 from flatland_server.transport.static_transforms import TOPIC as TF_STATIC
 from flatland_server.transport.static_transforms import StaticTransforms
-from flatland_server.transport.thread_calls import ThreadCalls
 from flatland_server.transport.topic_registry import ANY_TYPE, type_name
 
 logger = logging.getLogger(__name__)
 
-REGISTRATION_LIMIT = 5.0
+_REGISTRATION_LIMIT = 5.0
 """Real time that a service waits for the ROS master to register topics, before it answers [s]."""
 
 
-class RosTransport(ThreadCalls, Transport):
+class RosTransport(ServedTransport):
     """A transport over rospy. The ROS node must be initialised.
 
     Args:
@@ -53,6 +53,7 @@ class RosTransport(ThreadCalls, Transport):
         self._own_params = own_params or {}
         self.rospy_calls = rospy_calls
         """The operations of rospy in use."""
+        self.can_forget = rospy_calls.forget_latched is not None
         self.has_started = False
         """True if the simulation runs, so that it checks `is_ending` regularly."""
         self.is_ending = False
@@ -158,6 +159,17 @@ class RosTransport(ThreadCalls, Transport):
 
     def end_error(self) -> Exception:
         return rospy.ServiceException("the simulation is shutting down")
+
+    def registration(self) -> ContextManager[None]:
+        return self.rospy_calls.batch_registration()
+
+    def wait_until_registered(self) -> bool:
+        return self.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT)
+
+    def forget(self, publisher: Publisher) -> None:
+        assert isinstance(publisher, _RosPublisher)
+        if self.rospy_calls.forget_latched is not None:
+            self.rospy_calls.forget_latched(publisher._publisher)
 
     def flush(self) -> None:
         self.arrivals.next_step()

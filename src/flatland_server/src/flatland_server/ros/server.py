@@ -10,10 +10,12 @@ from typing import Callable, Optional
 
 import rospy
 
-from flatland_server.exceptions import FlatlandError, StateError, counted
+from flatland_server.exceptions import FlatlandError, counted
+from flatland_server.hub.assembly import open_hub
+from flatland_server.hub.client_files import ClientFiles
+from flatland_server.hub.recent_log import RecentLog
 from flatland_server.ros import open_files, other_publishers, rospy_patches
 from flatland_server.ros.clock import ClockPublisher, warn_of_other_times
-from flatland_server.ros.debug_visualization import DebugVisualization
 from flatland_server.ros.diagnostics import Diagnostics
 from flatland_server.ros.interactive_marker_manager import InteractiveMarkerManager
 from flatland_server.ros.launch_arguments import check_launch_arguments, parent_command_line
@@ -22,18 +24,8 @@ from flatland_server.ros.log_handler import RosLogHandler, tolerate_write_errors
 from flatland_server.ros.other_localisers import OtherLocalisers
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.server_config import ServerConfig
-from flatland_server.ros.service_manager import RosServiceHost
+from flatland_server.ros.services import offer_services
 from flatland_server.ros.shutdown import Shutdown
-from flatland_server.serving.client_edits import ClientEdits
-from flatland_server.serving.client_files import ClientFiles
-from flatland_server.serving.map_to_odom import FRAME_ID, MapToOdom
-from flatland_server.serving.model_publisher import ModelPublisher
-from flatland_server.serving.model_services import ModelServices
-from flatland_server.serving.recent_log import RecentLog
-from flatland_server.serving.state_publisher import StatePublisher
-from flatland_server.serving.state_services import StateServices
-from flatland_server.serving.world_saving import WorldSaving
-from flatland_server.simulation.history import SHARE_OF_VIEWERS
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.slow_plugin_watch import SlowPluginWatch
 from flatland_server.simulation.thread_priority import ThreadPriority
@@ -138,7 +130,6 @@ def _open_topics(
     Returns:
         The watch for other localisers, if the server sends map -> odom.
     """
-    edits = ClientEdits(manager.world)
     if not config.wall_clock_stamps:
         clock = ClockPublisher(manager.timekeeper, transport.rospy_calls)
         manager.after_step.append(clock.tick)
@@ -146,34 +137,26 @@ def _open_topics(
         manager.on_tick.append(lambda: manager.is_stepping or clock.repeat_for_new_subscribers())
         manager.after_jump += [clock.tick, clock.flush]
         transport.before_sending = clock.flush
+    hub = open_hub(
+        manager,
+        ClientFiles(manager.world, config.state_folder),
+        view_rate=config.viz_pub_rate if config.show_viz else None,
+        for_rviz=True,
+        map_to_odom=config.map_to_odom,
+        with_history=config.history,
+        control_period=config.control_period,
+        train_mode=config.train_mode,
+    )
     if config.show_viz:
-        markers = DebugVisualization(manager.world, config.viz_pub_rate, transport.rospy_calls)
-        manager.on_tick.append(markers.update)
-        manager.after_jump.append(markers.time_has_jumped)
-        manager.on_tick.append(ModelPublisher(manager, config.viz_pub_rate).update)
-        handles = InteractiveMarkerManager(manager, transport, config.viz_pub_rate, FRAME_ID, edits)
+        handles = InteractiveMarkerManager(hub, transport, config.viz_pub_rate)
         manager.on_tick.append(handles.update)
-    if config.history:
-        try:
-            manager.keep_history(share=SHARE_OF_VIEWERS)
-        except StateError as error:
-            rospy.logwarn("there is no history, so /seek will fail: %s", error)
     manager.on_tick.append(Diagnostics(manager).update)
-    manager.on_tick.append(StatePublisher(manager, edits).update)
     if config.realtime_priority:
         manager.on_tick.append(ThreadPriority().update)
     manager.on_tick.append(SlowPluginWatch().update)
-    localisers = None
-    if config.map_to_odom:
-        placed = MapToOdom(transport, lambda: manager.world.odometry_frames)
-        manager.on_tick.append(placed.update)
-        localisers = OtherLocalisers(lambda: placed.frames)
-    files = ClientFiles(manager.world, config.state_folder)
-    host = RosServiceHost(transport)
-    ModelServices(manager.world, host, files, edits)
-    StateServices(manager, host, files, config.control_period, config.train_mode)
-    WorldSaving(manager, host, files, edits)
-    return localisers
+    offer_services(hub)
+    placed = hub.map_to_odom
+    return OtherLocalisers(lambda: placed.frames) if placed is not None else None
 
 
 def exclude_from_garbage_collection() -> None:

@@ -6,15 +6,12 @@ import random
 from types import SimpleNamespace
 
 import pytest
+from direct_transport import DirectTransport
 
 from flatland_server.exceptions import FlatlandError, StateError
 from flatland_server.geometry import Pose
-from flatland_server.serving.client_edits import ClientEdits
-from flatland_server.serving.client_files import ClientFiles
-from flatland_server.serving.model_services import ModelServices
-from flatland_server.serving.service_host import ServiceHost
-from flatland_server.serving.state_services import StateServices
-from flatland_server.serving.world_saving import WorldSaving
+from flatland_server.hub.assembly import open_hub
+from flatland_server.hub.client_files import ClientFiles
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
@@ -41,62 +38,40 @@ TO_A = "    - name: a\n      model: box.yaml            # a box\n"
 TO_B = '    - name: b\n      model: "box.yaml"\n'
 
 
-class Host(ServiceHost):
-    """Offers services, without ROS; calls run at once."""
-
-    def __init__(self):
-        self.actions, self.opened = {}, []
-
-    def offer(self, name, type_name, action):
-        self.actions[name] = action
-
-    def call(self, function):
-        return function()
-
-    def wait(self, future):
-        return future.result()
-
-    def world_is_open(self, path):
-        self.opened.append(path)
-
-
 class Server:
     """The services of a world of a text."""
 
     def __init__(self, files, text, state_folder=None):
         files.write("box.yaml", BOX)
-        self.world = files.load(text)
+        self.world = files.load(text, transport=DirectTransport())
         self.path = self.world.config.path
         self.manager = SimulationManager(self.world, Timekeeper(0.01))
-        self.host = Host()
-        self.edits = ClientEdits(self.world)
-        found = ClientFiles(self.world, state_folder)
-        ModelServices(self.world, self.host, found, self.edits)
-        StateServices(self.manager, self.host, found, 0.1)
-        WorldSaving(self.manager, self.host, found, self.edits)
+        files = ClientFiles(self.world, state_folder)
+        self.hub = open_hub(self.manager, files, control_period=0.1)
+        self.edits = self.hub.edits
+        self.opened = []
+        self.hub.on_open.append(self.opened.append)
 
     def move(self, name, x, y, theta=0.0):
         pose = SimpleNamespace(x=x, y=y, theta=theta)
-        self.host.actions["move_model"](SimpleNamespace(name=name, pose=pose))
+        self.call("move_model", name=name, pose=pose)
 
     def spawn(self, name, x, y, *, path="box.yaml", ns=""):
         pose = SimpleNamespace(x=x, y=y, theta=0.0)
-        request = SimpleNamespace(yaml_path=path, name=name, ns=ns, pose=pose)
-        self.host.actions["spawn_model"](request)
+        self.call("spawn_model", yaml_path=path, name=name, ns=ns, pose=pose)
 
     def delete(self, name):
-        self.host.actions["delete_model"](SimpleNamespace(name=name))
+        self.call("delete_model", name=name)
 
     def reset(self):
-        request = SimpleNamespace(new_seed=False, seed=0, restart_time=True)
-        self.host.actions["reset"](request)
+        self.call("reset", new_seed=False, seed=0, restart_time=True)
 
-    def call(self, name, **fields):
+    def call(self, service, /, **fields):
         """Calls a service."""
-        return self.host.actions[name](SimpleNamespace(**fields))
+        return self.hub.services[service].action(SimpleNamespace(**fields))
 
     def save(self, path=""):
-        return self.host.actions["save_world"](SimpleNamespace(path=str(path)))["message"]
+        return self.call("save_world", path=str(path))["message"]
 
     @property
     def text(self):
@@ -124,7 +99,7 @@ def test_only_the_numbers_that_differ_are_written(server):
     assert server.text == expected
     assert message == f"3 changed models saved in {server.path}"
     assert server.edits.count == 0
-    assert server.host.opened == [str(server.path)]
+    assert server.opened == [str(server.path)]
 
 
 def test_deleted_and_spawned_models_leave_comments_and_other_entries_as_they_are(server):
@@ -292,7 +267,7 @@ def test_a_copy_in_another_folder_finds_its_files_and_is_the_worlds_file_then(fi
     again = server.world.read_config()
     assert again.path == copy
     assert [entry.name for entry in again.models] == ["a", "e", "d"]
-    assert server.host.opened == [str(copy)]
+    assert server.opened == [str(copy)]
     server.move("d", 2.0, 2.0)
     server.save()
     assert "[2.0, 2.0, 0.0]" in copy.read_text()

@@ -4,8 +4,8 @@ import pytest
 from world.parts import EMPTY
 
 from flatland_server.exceptions import YamlError
+from flatland_server.hub.client_files import told
 from flatland_server.models.model import ModelText
-from flatland_server.serving.client_files import told
 from flatland_server.simulation.run import Run
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper

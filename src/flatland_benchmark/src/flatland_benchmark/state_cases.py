@@ -1,8 +1,7 @@
-"""Branches of a simulation: what a planner costs that tries commands in them."""
+"""States of a simulation: branches, as a planner uses them, and the history of an hour's run."""
 
 import statistics
 import time
-from functools import partial
 from pathlib import Path
 from typing import Any, Callable
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from flatland2d import Simulation
 from flatland_benchmark.batch_cases import office, warm_up
-from flatland_benchmark.case import Case, Figures
+from flatland_benchmark.case import Figures, case
 
 _BRANCHES = 1024
 _COMMANDS = 20
@@ -18,8 +17,13 @@ _COMMANDS = 20
 _SUBSTEPS = 10
 """Physics steps before the rollouts, for each of the robot's commands."""
 _ROUNDS = 15
+_SECONDS = 3600
+_COMMAND_STEPS = 20
+"""Steps of a run with a history between two commands: 0.1 s."""
+_SEEKS = 100
 
 
+@case("branches_{beams}", "1024 branches of the office, {beams} beams", beams=(64, 360))
 def run_branches(worlds: Path, beams: int) -> Figures:
     """Branches of a drive through the office that drive on at random; each has a scan per step."""
     rng = np.random.default_rng(0)
@@ -57,11 +61,34 @@ def _time(function: Callable[[], Any]) -> float:
     return statistics.median(times) * 1e3
 
 
-BRANCH_CASES = tuple(
-    Case(
-        f"branches_{beams}",
-        f"{_BRANCHES} branches of the office, {beams} beams, rollouts of {_COMMANDS} steps",
-        partial(run_branches, beams=beams),
-    )
-    for beams in (64, 360)
-)
+@case("history", "an hour in the office with its history, and seeks")
+def run_history(worlds: Path) -> Figures:
+    """Drives about the office for an hour; then goes to moments at random."""
+    with Simulation(office(worlds, 360)) as sim:
+        without = _drive(sim)
+        sim.reset()
+        history = sim.keep_history()
+        kept = _drive(sim)
+        figures: Figures = {
+            "CPU per simulated s [ms]": without / _SECONDS * 1e3,
+            "CPU with a history [ms]": kept / _SECONDS * 1e3,
+            "memory [MB]": history.size / 1e6,
+        }
+        seeks = []
+        for moment in np.random.default_rng(1).uniform(0.0, history.end, _SEEKS):
+            begin = time.process_time()
+            sim.seek(moment)
+            seeks.append((time.process_time() - begin) * 1e3)
+        figures["seek, median [ms]"] = statistics.median(seeks)
+        figures["seek, longest [ms]"] = max(seeks)
+    return figures
+
+
+def _drive(sim: Simulation) -> float:
+    """Processor time of the drive [s]."""
+    robot = sim.models["robot"]
+    begin = time.process_time()
+    for turn in np.random.default_rng(0).uniform(-1.0, 1.0, _SECONDS * 10):
+        robot.command(0.5, turn)
+        sim.step(_COMMAND_STEPS)
+    return time.process_time() - begin

@@ -6,11 +6,8 @@ from typing import Any, Callable, Dict, Optional
 
 from flatland_server.arguments import steps_in
 from flatland_server.exceptions import FlatlandError, UsageError
+from flatland_server.hub.hub import Hub
 from flatland_server.messages import ros_time
-from flatland_server.serving.client_files import ClientFiles
-from flatland_server.serving.service_host import ServiceHost
-from flatland_server.serving.topic_requests import obey
-from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.simulation.world_state import read_state, write_state
 
@@ -30,9 +27,7 @@ class StateServices:
     the world on the simulation's thread, between two steps.
 
     Args:
-        manager: the simulation.
-        host: offers the services.
-        files: finds the files that clients name.
+        hub: offers the services.
         control_period: simulated time of a call of /step_world [s]; by default 0.1 s, or one step
             if that is no multiple of the steps.
         train_mode: whether time stands still between requests for steps.
@@ -42,16 +37,11 @@ class StateServices:
     """
 
     def __init__(
-        self,
-        manager: SimulationManager,
-        host: ServiceHost,
-        files: ClientFiles,
-        control_period: Optional[float] = None,
-        train_mode: bool = False,
+        self, hub: Hub, control_period: Optional[float] = None, train_mode: bool = False
     ) -> None:
-        self._manager = manager
-        self._files = files
-        self._host = host
+        self._manager = manager = hub.manager
+        self._hub = hub
+        self._transport = transport = hub.transport
         self._control_steps = _control_steps(control_period, manager.timekeeper.step_size)
         self._train_mode = train_mode
         self._has_told = False  # that time goes on
@@ -67,29 +57,28 @@ class StateServices:
             "load_state": ("flatland_msgs/LoadState", self._load_state),
             "seek": ("flatland_msgs/Seek", self._seek),
             "change_rate": ("flatland_msgs/ChangeRate", self._change_rate),
-            "pause": ("std_srvs/Empty", lambda _: host.call(manager.pause)),
-            "resume": ("std_srvs/Empty", lambda _: host.call(manager.resume)),
-            "toggle_pause": ("std_srvs/Empty", lambda _: host.call(manager.toggle_pause)),
+            "pause": ("std_srvs/Empty", lambda _: transport.call(manager.pause)),
+            "resume": ("std_srvs/Empty", lambda _: transport.call(manager.resume)),
+            "toggle_pause": ("std_srvs/Empty", lambda _: transport.call(manager.toggle_pause)),
         }
         for name, (kind, action) in actions.items():
-            host.offer(name, kind, action)
-        obey(
-            manager.transport,
+            hub.offer(name, kind, action)
+        hub.obey(
             "step_world",
             "flatland_msgs/StepWorld",
             lambda message: self._advance_by(message.required_time),
         )
 
     def _step(self, request: Any) -> Dict[str, Any]:
-        expected = [self._manager.transport.resolve(topic) for topic in request.expect]
+        expected = [self._transport.resolve(topic) for topic in request.expect]
         timeout = request.timeout or _DEFAULT_TIMEOUT
         manager = self._manager
-        done = self._host.call(lambda: manager.request_steps(request.steps, expected, timeout))
-        return {"time": ros_time(self._host.wait(done))}
+        done = self._transport.call(lambda: manager.request_steps(request.steps, expected, timeout))
+        return {"time": ros_time(self._transport.wait(done))}
 
     def _step_world(self, request: Any) -> None:
         """The service /step_world. Its response is empty: errors are those of the call."""
-        self._host.wait(self._host.call(lambda: self._advance(self._control_steps)))
+        self._transport.wait(self._transport.call(lambda: self._advance(self._control_steps)))
 
     def _advance_by(self, duration: float) -> None:
         """Makes the steps of a duration [s]; one step if it is 0."""
@@ -103,7 +92,7 @@ class StateServices:
         return self._manager.advance(count, then_pause=self._train_mode)
 
     def _change_rate(self, request: Any) -> None:
-        self._host.call(lambda: self._manager.change_rate(request.rate))
+        self._transport.call(lambda: self._manager.change_rate(request.rate))
 
     def _reset(self, request: Any) -> None:
         seed = request.seed if request.new_seed else None
@@ -123,15 +112,18 @@ class StateServices:
         return {"message": f"{config.path} is loaded"}
 
     def _open_world(self, request: Any) -> Dict[str, Any]:
-        config: WorldConfig = self._manager.world.read_config(self._files.world_file(request.path))
+        config: WorldConfig = self._manager.world.read_config(
+            self._hub.files.world_file(request.path)
+        )
         self._change(lambda: self._manager.reload(config, keep_time=False))
-        self._host.world_is_open(str(config.path))
+        for tell in self._hub.on_open:
+            tell(str(config.path))
         return {"message": f"{config.path} is open"}
 
     def _save_state(self, request: Any) -> Dict[str, Any]:
-        path = self._files.state(request.path)
+        path = self._hub.files.state(request.path)
         manager = self._manager
-        state, without_hooks = self._host.call(
+        state, without_hooks = self._transport.call(
             lambda: (manager.save_state(), manager.world.plugins_without_state_hooks)
         )
         write_state(path, state)
@@ -142,7 +134,7 @@ class StateServices:
         return {"message": message, "without_hooks": without_hooks}
 
     def _load_state(self, request: Any) -> None:
-        state = read_state(self._files.state(request.path))
+        state = read_state(self._hub.files.state(request.path))
         self._change(lambda: self._manager.load_state(state))
 
     def _seek(self, request: Any) -> None:
@@ -158,11 +150,11 @@ class StateServices:
         """Rebuilds the world on the simulation's thread."""
 
         def change() -> None:
-            with self._host.registration():
+            with self._transport.registration():
                 action()
 
-        self._host.call(change)
-        self._host.wait_until_registered()
+        self._transport.call(change)
+        self._transport.wait_until_registered()
 
 
 def _control_steps(control_period: Optional[float], step_size: float) -> int:

@@ -5,8 +5,8 @@ Its times are simulated ones, whatever the stamps of other messages are: /seek t
 
 import time
 
+from flatland_server.hub.client_edits import ClientEdits
 from flatland_server.messages.message_types import TYPES, get
-from flatland_server.serving.client_edits import ClientEdits
 from flatland_server.simulation.simulation_manager import SimulationManager
 
 SimulationState = get("flatland_msgs/SimulationState")

@@ -1,22 +1,27 @@
-"""Calls of other threads that run on the simulation's thread."""
+"""The interface of a transport whose simulation other threads talk to."""
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from concurrent.futures import Future, wait
-from typing import Callable, TypeVar
+from contextlib import nullcontext
+from typing import Callable, ContextManager, TypeVar
+
+from flatland_server.transport.transport import Publisher, Transport
 
 T = TypeVar("T")
 
 _END_CHECK_PERIOD = 0.1  # s
 
 
-class ThreadCalls(ABC):
+class ServedTransport(Transport):
     """A transport to which other threads hand calls over.
 
     Attributes:
         is_ending: True once no further calls are run.
+        can_forget: whether `forget` has an effect.
     """
 
     is_ending = False
+    can_forget = False
 
     @abstractmethod
     def post(self, action: Callable[[], None]) -> None:
@@ -48,10 +53,10 @@ class ThreadCalls(ABC):
                 future.set_exception(error)
 
         self.post(run)
-        return self.wait(future)
+        return self._result_of(future)
 
     def wait(self, future: "Future[T]") -> T:
-        """Waits for a result of the simulation's thread.
+        """Waits for a result that simulated time or a client brings.
 
         Args:
             future: raises what this raises.
@@ -59,7 +64,25 @@ class ThreadCalls(ABC):
         Raises:
             Exception: `end_error()`, if the simulation ends before.
         """
+        return self._result_of(future)
+
+    def _result_of(self, future: "Future[T]") -> T:
         while not wait([future], _END_CHECK_PERIOD).done:
             if self.is_ending:
                 raise self.end_error()
         return future.result()
+
+    def forget(self, publisher: Publisher) -> None:
+        """Drops the last message of a latched topic, which later subscribers would get.
+
+        Args:
+            publisher: of the topic.
+        """
+
+    def registration(self) -> ContextManager[None]:
+        """A context in which topics are opened and closed, to register them together."""
+        return nullcontext()
+
+    def wait_until_registered(self) -> bool:
+        """Waits until clients can find new topics. Returns False if that takes too long."""
+        return True

@@ -11,10 +11,8 @@ from flatland_server.config.input_files import replacing
 from flatland_server.config.world_file_text import NewEntry, WorldFileText, plain
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.exceptions import FlatlandError, YamlError, counted, listed
-from flatland_server.serving.client_edits import Changes, ClientEdits
-from flatland_server.serving.client_files import ClientFiles
-from flatland_server.serving.service_host import ServiceHost
-from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.hub.client_edits import Changes
+from flatland_server.hub.hub import Hub
 from flatland_server.simulation.world_config import ModelEntry, WorldConfig
 
 
@@ -26,21 +24,15 @@ class WorldSaving:
     reset leads from then on.
 
     Args:
-        manager: the simulation.
-        host: offers the service.
-        files: knows the files that clients may write.
-        edits: what clients have changed.
+        hub: offers the service.
     """
 
-    def __init__(
-        self, manager: SimulationManager, host: ServiceHost, files: ClientFiles, edits: ClientEdits
-    ) -> None:
-        self._manager = manager
-        self._host = host
-        self._files = files
-        self._edits = edits
+    def __init__(self, hub: Hub) -> None:
+        self._hub = hub
+        self._manager = hub.manager
+        self._files = hub.files
         self._lock = threading.Lock()  # clients are served by several threads
-        host.offer("save_world", "flatland_msgs/SaveWorld", self._save_world)
+        hub.offer("save_world", "flatland_msgs/SaveWorld", self._save_world)
 
     def _save_world(self, request: Any) -> Dict[str, Any]:
         with self._lock:
@@ -48,7 +40,9 @@ class WorldSaving:
 
     def _save(self, path: Path) -> str:
         """Saves the world; returns what is saved where."""
-        config, changes = self._host.call(lambda: (self._manager.world.config, self._edits.changes))
+        config, changes = self._hub.transport.call(
+            lambda: (self._manager.world.config, self._hub.edits.changes)
+        )
         if config.path is None:
             raise FlatlandError("the world was made without a file")
         with_file = [entry for entry in changes.added if entry.model.content is None]
@@ -63,8 +57,9 @@ class WorldSaving:
         )
         content, expected = self._new_content(config, saved, path)
         self._write(new, content, expected, config)
-        self._host.call(lambda: self._take_over(config, new))
-        self._host.world_is_open(str(path))
+        self._hub.transport.call(lambda: self._take_over(config, new))
+        for tell in self._hub.on_open:
+            tell(str(path))
         message = f"{counted(saved.number, 'changed model')} saved in {path}"
         if unsaved:
             message += f"; without a file, and not saved: {', '.join(unsaved)}"

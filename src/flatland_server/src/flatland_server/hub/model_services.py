@@ -6,14 +6,11 @@ from typing import Any, Callable, Dict, Iterable, Iterator, List, TypeVar
 
 from flatland_server.exceptions import FlatlandError, ModelError, shortened
 from flatland_server.geometry import Pose
+from flatland_server.hub.client_files import EntryError
+from flatland_server.hub.hub import Hub
 from flatland_server.messages.message_types import get
 from flatland_server.messages.model_markers import preview
 from flatland_server.models.model import ModelText
-from flatland_server.serving.client_edits import ClientEdits
-from flatland_server.serving.client_files import ClientFiles, EntryError
-from flatland_server.serving.service_host import ServiceHost
-from flatland_server.serving.topic_requests import obey
-from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import ModelEntry, ModelSource
 
 logger = logging.getLogger(__name__)
@@ -32,19 +29,14 @@ class ModelServices:
     `message` is a warning; otherwise `message` is empty.
 
     Args:
-        world: has the models.
-        host: offers the services.
-        files: finds the files that clients name.
-        edits: is told of changes.
+        hub: offers the services.
     """
 
-    def __init__(
-        self, world: World, host: ServiceHost, files: ClientFiles, edits: ClientEdits
-    ) -> None:
-        self._world = world
-        self._edits = edits
-        self._host = host
-        self._files = files
+    def __init__(self, hub: Hub) -> None:
+        self._world = hub.world
+        self._edits = hub.edits
+        self._transport = hub.transport
+        self._files = hub.files
         actions = {
             "spawn_model": ("SpawnModel", self._spawn_model),
             "spawn_model_from_string": ("SpawnModel", self._spawn_from_string),
@@ -56,9 +48,8 @@ class ModelServices:
             "get_model_markers": ("GetModelMarkers", self._get_markers),
         }
         for name, (kind, action) in actions.items():
-            host.offer(name, f"flatland_msgs/{kind}", action)
-        obey(
-            world.transport,
+            hub.offer(name, f"flatland_msgs/{kind}", action)
+        hub.obey(
             "move_model",
             "flatland_msgs/MoveModelMsg",
             lambda message: self._move(message.name, _to_pose(message.pose)),
@@ -101,13 +92,13 @@ class ModelServices:
                 raise ModelError(
                     "the world was reloaded while the model's file was read; try again"
                 )
-            with self._host.registration():
+            with self._transport.registration():
                 return add(content)
 
-        warning = self._host.call(add_to_this_world)
+        warning = self._transport.call(add_to_this_world)
         if warning:
             logger.warning("spawn_model: %s", warning)
-        if not self._host.wait_until_registered():
+        if not self._transport.wait_until_registered():
             warning = "; ".join(filter(None, (warning, _NOT_REGISTERED)))
         return warning
 
@@ -131,8 +122,8 @@ class ModelServices:
         return "; ".join(filter(None, warnings))
 
     def _delete_model(self, request: Any) -> None:
-        self._host.call(lambda: self._remove([self._world.get_model(request.name).name]))
-        self._host.wait_until_registered()
+        self._transport.call(lambda: self._remove([self._world.get_model(request.name).name]))
+        self._transport.wait_until_registered()
 
     def _delete_models(self, request: Any) -> None:
         def delete() -> None:
@@ -143,8 +134,8 @@ class ModelServices:
                         raise ModelError("the name is given twice")
             self._remove(request.name)
 
-        self._host.call(delete)
-        self._host.wait_until_registered()
+        self._transport.call(delete)
+        self._transport.wait_until_registered()
 
     def _remove(self, names: Iterable[str]) -> None:
         """Deletes models, unless plugins of one have deleted another."""
@@ -155,7 +146,7 @@ class ModelServices:
 
     def _move_model(self, request: Any) -> None:
         pose = _to_pose(request.pose)
-        self._host.call(lambda: self._move(request.name, pose))
+        self._transport.call(lambda: self._move(request.name, pose))
 
     def _move(self, name: str, pose: Pose) -> None:
         self._world.move_model(name, pose)

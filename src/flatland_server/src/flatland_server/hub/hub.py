@@ -1,0 +1,138 @@
+"""A served simulation, as its services and its protocols see it.
+
+`assembly.open_hub` puts one together. A protocol then calls `Service.answer` on threads of its own.
+"""
+
+import logging
+from functools import partial
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple, Union
+
+from flatland_server.exceptions import FlatlandError
+from flatland_server.hub.client_edits import ClientEdits
+from flatland_server.hub.client_files import ClientFiles, told
+from flatland_server.hub.failures import Failures
+from flatland_server.hub.map_to_odom import MapToOdom
+from flatland_server.messages.message_types import get
+from flatland_server.messages.service_types import ServiceType
+from flatland_server.messages.service_types import get as get_service
+from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.transport.served_transport import ServedTransport
+
+logger = logging.getLogger(__name__)
+
+Action = Callable[[Any], Optional[Dict[str, Any]]]
+"""Called with a request, on any thread. Returns fields of the response; `success` is set for it."""
+
+
+class ServiceError(FlatlandError):
+    """A call has failed, and the service's response has no field to say so."""
+
+
+class Service(NamedTuple):
+    """A service of the simulation."""
+
+    type: ServiceType
+    action: Action
+
+    def answer(self, request: Any) -> Any:
+        """The response to a request; for any thread.
+
+        Args:
+            request: of the service's type.
+
+        Raises:
+            ServiceError: the action has failed, and the response has no `success` and `message`.
+        """
+        response = self.type.response
+        has_success = "success" in response.__slots__
+        try:
+            fields = self.action(request) or {}
+        except (FlatlandError, ValueError) as error:
+            if not has_success:
+                raise ServiceError(told(error)) from None
+            return response(success=False, message=told(error))
+        return response(**({"success": True} if has_success else {}), **fields)
+
+
+class Hub:
+    """What clients of all protocols share.
+
+    Args:
+        manager: the simulation; its transport must be a `ServedTransport`.
+        files: finds the files that clients name.
+        refused: names of services that are not offered.
+
+    Attributes:
+        manager: the simulation.
+        world: of the simulation.
+        transport: carries the topics, and hands calls over to the simulation's thread.
+        files: finds the files that clients name.
+        edits: what clients have changed.
+        map_to_odom: stands in for a localiser, if anything does.
+        services: by name, without "/".
+        failures: of what is called for clients.
+        on_open: called with the path of a world file that a client has opened or saved.
+    """
+
+    def __init__(
+        self, manager: SimulationManager, files: ClientFiles, refused: Tuple[str, ...] = ()
+    ) -> None:
+        assert isinstance(manager.transport, ServedTransport)
+        self.manager = manager
+        self.world = manager.world
+        self.transport: ServedTransport = manager.transport
+        self.files = files
+        self.edits = ClientEdits(manager.world)
+        self.failures = Failures()
+        self.map_to_odom: Optional[MapToOdom] = None
+        self.services: Dict[str, Service] = {}
+        self.on_open: List[Callable[[str], None]] = []
+        self._refused = refused
+
+    def on_tick(self, action: Callable[[], None]) -> None:
+        """Calls an action before each wait for the next step, also during a pause.
+
+        Args:
+            action: an error of it does not end the simulation.
+        """
+        self.manager.on_tick.append(partial(self.failures.catch, action))
+
+    def offer(self, name: str, kind: Union[str, ServiceType], action: Action) -> None:
+        """Offers a service.
+
+        A FlatlandError or ValueError of the action is reported in the response's `message`, or if
+        it has none as a failed call.
+
+        Args:
+            name: of the service.
+            kind: its type, or the name of that, such as "flatland_msgs/SpawnModel".
+            action: answers a request. It reads files on its own thread, and changes the simulation
+                by `transport.call`.
+        """
+        if name not in self._refused:
+            service_type = get_service(kind) if isinstance(kind, str) else kind
+            self.services[name] = Service(service_type, action)
+
+    def obey(self, topic: str, kind: str, action: Callable[[Any], None]) -> None:
+        """Subscribes to a topic of requests. An error is a warning, once for equal ones in a row.
+
+        Args:
+            topic: such as "move_model".
+            kind: the message type, such as "flatland_msgs/MoveModelMsg".
+            action: called with each message, between two steps.
+        """
+        name = self.transport.resolve(topic)
+        last_warning = ""
+
+        def receive(message: Any) -> None:
+            nonlocal last_warning
+            warning = ""
+            try:
+                action(message)
+            except (FlatlandError, ValueError) as error:
+                warning = told(error)
+                if warning != last_warning:
+                    logger.warning("%s: %s", name, warning)
+            last_warning = warning
+
+        self.transport.subscribe(topic, get(kind), receive)
