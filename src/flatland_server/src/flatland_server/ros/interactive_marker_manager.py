@@ -2,7 +2,7 @@
 
 import math
 import time
-from typing import Dict, List, NamedTuple, Tuple
+from typing import Dict, List, NamedTuple, Optional, Tuple
 
 import rospy
 from visualization_msgs.msg import (
@@ -15,6 +15,7 @@ from visualization_msgs.msg import (
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
+from flatland_server.hub.client_edits import Edit
 from flatland_server.hub.hub import Hub
 from flatland_server.hub.map_to_odom import FRAME_ID
 from flatland_server.messages import fill_pose, yaw_of
@@ -50,6 +51,14 @@ class _Handle(NamedTuple):
     """The pose of its base, at the last update."""
 
 
+class _Drag:
+    """A model that is being dragged: real time of the last feedback [s], and the edit so far."""
+
+    def __init__(self) -> None:
+        self.updated = 0.0
+        self.edit: Optional[Edit] = None
+
+
 class InteractiveMarkerManager:
     """Offers an interactive marker for each model at `interactive_model_markers`.
 
@@ -71,7 +80,7 @@ class InteractiveMarkerManager:
         self._keep_alive_due = rospy.Time()
         self._keep_alive_timer = RealTimeTimer(_REAL_KEEP_ALIVE_PERIOD)
         self._shown: Dict[str, _Handle] = {}
-        self._drags: Dict[str, float] = {}  # real time of the last feedback, by model
+        self._drags: Dict[str, _Drag] = {}  # by model
 
     def update(self) -> None:
         """Updates the markers if it is time to; to be called often."""
@@ -79,7 +88,7 @@ class InteractiveMarkerManager:
         if not self._timer.check_update():
             return
         oldest = time.monotonic() - _DRAG_TIMEOUT
-        for name in [name for name, updated in self._drags.items() if updated < oldest]:
+        for name in [name for name, drag in self._drags.items() if drag.updated < oldest]:
             self._end_drag(name)
         gone, new = self._follow_models()
         has_moved = self._server.update_pub.get_num_connections() > 0 and self._follow_poses()
@@ -144,33 +153,33 @@ class InteractiveMarkerManager:
             return
         if event == InteractiveMarkerFeedback.MENU_SELECT:
             if feedback.menu_entry_id == _DELETE:
-                self._world.delete_model(name)
-                self._edits.note_deletion(name)
+                self._edits.delete([name])
             return
         if event == InteractiveMarkerFeedback.MOUSE_DOWN:
             self._begin_drag(name)
         elif event == InteractiveMarkerFeedback.MOUSE_UP:
+            self._begin_drag(name)
             self._move(name, feedback)
             self._end_drag(name)
         elif event == InteractiveMarkerFeedback.POSE_UPDATE:
             self._begin_drag(name)
             self._move(name, feedback)
         elif name in self._drags:
-            self._drags[name] = time.monotonic()
+            self._drags[name].updated = time.monotonic()
 
     def _move(self, name: str, feedback: InteractiveMarkerFeedback) -> None:
         centre = self._shown[name].centre if name in self._shown else Pose(0.0, 0.0, 0.0)
         position, yaw = feedback.pose.position, yaw_of(feedback.pose.orientation)
         pose = Pose(position.x, position.y, yaw).compose(centre.inverse())
         try:
-            self._world.move_model(name, pose)
-            self._edits.note_move(name, pose)
+            drag = self._drags[name]
+            drag.edit = self._edits.move(name, pose, drag.edit)
         except FlatlandError as error:  # outside the limits of the world: the model stays
             rospy.logwarn_throttle(_WARNING_PERIOD, f'"{name}" is not moved: {error}')
 
     def _begin_drag(self, name: str) -> None:
         self._manager.is_held = True
-        self._drags[name] = time.monotonic()
+        self._drags.setdefault(name, _Drag()).updated = time.monotonic()
 
     def _end_drag(self, name: str) -> None:
         if self._drags.pop(name, None) is None:
