@@ -174,6 +174,12 @@ def test_models_come_and_go_by_services(client):
     assert client.call("/rosapi/get_time")["values"]["time"] == {"secs": 0, "nsecs": 0}
 
 
+def test_diagnostics_tell_how_the_simulation_goes(client):
+    client.subscribed("/diagnostics")
+    [status] = client.next_of("/diagnostics")["status"]
+    assert (status["name"], status["level"]) == ("flatland_server: simulation", 0)
+
+
 def test_clients_offer_services_to_each_other(server, client):
     other = Client(server)
     other.send("advertise_service", service="/add", type="std_srvs/SetBool")
