@@ -55,11 +55,7 @@ def open_hub(
     """
     hub = Hub(manager, files, refused)
     if not isinstance(manager.timekeeper, WallTimekeeper):
-        clock = hub.transport.open_clock(manager.timekeeper)
-        manager.after_step.append(clock.tick)
-        manager.on_tick.append(clock.flush)
-        manager.on_tick.append(lambda: manager.is_stepping or clock.repeat_for_new_subscribers())
-        manager.after_jump += [clock.tick, clock.flush]
+        _open_clock(hub)
     if view_rate is not None:
         markers = MarkerPublisher(hub.world, hub.transport, view_rate, for_rviz=for_rviz)
         hub.on_tick(markers.update)
@@ -84,3 +80,16 @@ def open_hub(
     StateServices(hub, control_period, train_mode)
     WorldSaving(hub)
     return hub
+
+
+def _open_clock(hub: Hub) -> None:
+    manager = hub.manager
+    clock = hub.transport.open_clock(manager.timekeeper)
+
+    def repeat_in_pause() -> None:
+        if not manager.is_stepping:
+            clock.repeat_for_new_subscribers()
+
+    manager.after_step.append(clock.tick)
+    manager.on_tick += [clock.flush, repeat_in_pause]
+    manager.after_jump += [clock.tick, clock.flush]
