@@ -1,15 +1,12 @@
 """The way of a model, and the way that its odometry believes in."""
 
-import math
-from typing import Any, List, Optional, Tuple
+from typing import Any, List
 
 from flatland2d.simulation import Simulation
 from flatland2d.viewer.keyboard_drive import first_drive
 from flatland_server.exceptions import FlatlandError
-from flatland_server.geometry import Point, Pose
-
-_STEP = 0.05  # m
-_MOST = 4000  # positions
+from flatland_server.geometry import Point
+from flatland_teleop.trails import Trails
 
 
 class Trail:
@@ -21,18 +18,18 @@ class Trail:
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
-        self._way: List[Point] = []
-        self._belief: List[Point] = []
-        self._anchor: Optional[Tuple[Pose, Pose]] = None
+        self._model = ""
+        self.clear()
 
     @property
     def lines(self) -> List[List[Point]]:
         """The true way, and that of its odometry if it has some."""
-        return [line for line in (self._way, self._belief) if line]
+        trails = self._trails.of(self._model), self._trails.belief_of(self._model)
+        return [trail.points for trail in trails if trail.points]
 
     def clear(self) -> None:
         """Begins anew."""
-        self._way, self._belief, self._anchor = [], [], None
+        self._trails = Trails()
 
     def note(self, model: str, reads_odometry: bool) -> None:
         """Notes where a model is, if it is away from the last position.
@@ -44,24 +41,16 @@ class Trail:
         handle = self._simulation.models.get(model)
         if handle is None:
             return
-        place = handle.model.pose[:2]
-        if self._way and math.dist(self._way[-1], place) < _STEP:
-            return
-        self._way.append(place)
-        del self._way[:-_MOST]
-        if reads_odometry:
+        self._model = model
+        before = self._trails.of(model).revision
+        self._trails.see(model, self._simulation.time, handle.model.pose)
+        if reads_odometry and self._trails.of(model).revision != before:
             self._note_belief(handle)
 
     def _note_belief(self, handle: Any) -> None:
-        """Odometry is in a frame of its own: it begins where the model is at its first message."""
         drive = first_drive(self._simulation, handle.name)
         try:
             estimate = handle.sensors[drive].read().pose
         except (AttributeError, KeyError, FlatlandError):
             return  # none is published, or none yet
-        if self._anchor is None:
-            self._anchor = (handle.model.pose, estimate)
-        true, believed = self._anchor
-        moved = believed.inverse().compose(estimate)
-        self._belief.append(true.compose(moved)[:2])
-        del self._belief[:-_MOST]
+        self._trails.believe(handle.name, self._simulation.time, estimate)
