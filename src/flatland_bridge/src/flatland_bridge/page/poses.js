@@ -12,6 +12,17 @@ export function compose(frame, pose) {
   };
 }
 
+/** The pose that leads back: compose(pose, inverse(pose)) is none. */
+export function inverse({x, y, theta}) {
+  const cos = Math.cos(theta), sin = Math.sin(theta);
+  return {x: -cos * x - sin * y, y: sin * x - cos * y, theta: -theta};
+}
+
+/** The pose of a position and a quaternion. */
+export const poseOf = ({x, y}, q) => ({
+  x, y, theta: Math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z)),
+});
+
 export const seconds = ({secs, nsecs}) => secs + nsecs / 1e9;
 
 export class Poses {

@@ -1,0 +1,27 @@
+// The keys of the page, as its help shows them; docs/window.md has the same ones.
+
+export const KEYS = [
+  ["arrows, W A S D", "drive and turn"],
+  ["Q, E", "drive sideways, if the drive can"],
+  ["Shift", "half as fast"],
+  ["Tab, Shift+Tab", "follow the next robot, or the one before"],
+  ["click", "chooses a model: the keys drive it"],
+  ["drag", "moves a model, or the view; with Shift turns a model"],
+  ["wheel, two fingers", "zoom"],
+  ["Home", "shows the whole world"],
+  ["F", "follows the chosen model, or stops following"],
+  ["space", "pauses and goes on"],
+  ["F10, full stop", "a step of 0.1 s on, in a pause"],
+  ["comma", "0.1 s back"],
+  ["Alt+Left, Alt+Right", "10 s back, or on; with Shift 1 s"],
+  ["Alt+End", "the latest moment"],
+  ["+ -", "faster, slower"],
+  ["R", "resets the world: as it was loaded"],
+  ["L, N, T", "scans; names of robots; the trail of the chosen one"],
+  ["Delete", "deletes the chosen model"],
+  ["Ctrl+Z, Ctrl+Shift+Z", "undoes and redoes changes of models"],
+  ["Ctrl+S, Ctrl+Shift+S", "saves the models in the world's file, or in a copy"],
+  ["Ctrl+P", "saves a picture"],
+  ["Escape", "leaves spawning, following or this help"],
+  ["F1, H", "shows the keys"],
+];
