@@ -32,7 +32,8 @@ export class Driving {
     this.driven = null;  // the topic of the last command, unless that was to stop
     setInterval(() => this.command(), PERIOD);
     addEventListener("keyup", (event) => this.release(nameOf(event)));
-    addEventListener("blur", () => this.held.clear());
+    addEventListener("blur", () => this.stop());
+    addEventListener("pagehide", () => this.stop());
   }
 
   /** Returns whether a key drives. */
@@ -42,6 +43,11 @@ export class Driving {
   }
 
   release(key) { this.held.delete(key); }
+
+  stop() {
+    this.held.clear();
+    this.command();
+  }
 
   /** Sends a command while keys are held, and zero once when the last is released or the robot another one. */
   command() {

@@ -1,7 +1,6 @@
 // The page: shows the world and its past, and lets its user drive, spawn, move, delete, undo and save.
 
 import {Driving, driveTopic, nameOf, topicsOfType} from "./driving.js";
-import {KEYS} from "./keys.js";
 import {Poses, seconds} from "./poses.js";
 import {Rosbridge} from "./rosbridge.js";
 import {Scans} from "./scans.js";
@@ -27,7 +26,7 @@ const driving = new Driving(
   (topic, type, message) => server.publish(topic, type, message),
   () => isInPast() ? undefined : driveTopic(models.get(view.chosen)),
 );
-let poses = new Poses(), services = new Set(), odometry = null;
+let poses = new Poses(), services = new Set(), odometry = null;  // odometry: the topic for the trail
 let state = {paused: false, time: 0, begin: 0, end: 0};
 let sought = null, isSeeking = false;  // a moment to seek; whether a call does it
 let isSpawning = false, drag = null, isDirty = true;
@@ -38,8 +37,7 @@ const isInPast = () => state.paused && state.time < state.end;
 
 /** kind: "error", "warning" or "". */
 function say(text, kind = "") {
-  get("status").textContent = text;
-  get("status").className = kind;
+  Object.assign(get("status"), {textContent: text, title: text, className: kind});
 }
 
 /** Shows a text above the world until it is over. */
@@ -316,16 +314,7 @@ function toggle(id) {
   get(id).onchange();
 }
 
-function showKeys() {
-  if (get("keys").open) return get("keys").close();
-  get("keys").querySelector("table").replaceChildren(...KEYS.map((row) => {
-    const line = document.createElement("tr");
-    row.forEach((text) => { line.insertCell().textContent = text; });
-    return line;
-  }));
-  get("keys").showModal();
-}
-
+const showKeys = () => get("keys").open ? get("keys").close() : get("keys").showModal();
 const showAll = () => { view.showAll(); follow(false); };
 const latest = () => seek(state.end);
 const buttons = {

@@ -1,6 +1,7 @@
 // Where bodies are and were: a scan is drawn at the pose that its robot had at the scan's stamp.
 
 const MOST = 50;  // moments: one and a half seconds of real time
+const FASTEST = 20;  // m/s: a body that is faster was moved by hand
 
 /** A pose in a frame, given in that of the world. */
 export function compose(frame, pose) {
@@ -48,6 +49,7 @@ export class Poses {
     const after = this.moments[next], before = this.moments[next - 1] ?? after;
     const from = before?.poses.get(body), to = after?.poses.get(body);
     if (!from || !to || before.time > time) return undefined;
+    if (Math.hypot(to.x - from.x, to.y - from.y) > FASTEST * (after.time - before.time)) return undefined;
     const part = after.time > before.time ? (time - before.time) / (after.time - before.time) : 1;
     const turn = Math.atan2(Math.sin(to.theta - from.theta), Math.cos(to.theta - from.theta));
     return {
