@@ -53,7 +53,9 @@ class Tab:
         self._socket = socket
         self._session = ""
         self._numbers = itertools.count(1)
-        self.target = self.call("Target.createTarget", url="about:blank", newWindow=True)["targetId"]
+        self.target = self.call("Target.createTarget", url="about:blank", newWindow=True)[
+            "targetId"
+        ]
         session = self.call("Target.attachToTarget", targetId=self.target, flatten=True)
         self._session = session["sessionId"]
         self.call("Page.enable")

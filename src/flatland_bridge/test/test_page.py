@@ -56,16 +56,16 @@ def wait_for_status(tab, text):
 
 
 @pytest.mark.parametrize("screen", SCREENS)
-def test_models_are_driven_spawned_dragged_saved_and_undone(
-    world, open_tab, screen, monkeypatch
-):
+def test_models_are_driven_spawned_dragged_saved_and_undone(world, open_tab, screen, monkeypatch):
     tab = open_tab(**SCREENS[screen])
     with running(world, state_folder=world.parent, with_history=True) as server:
         undone = []
         services = server.graph._services
         for name in ("/undo", "/redo"):
             service = services["/reload_world"]._replace(
-                action=lambda request, name=name: undone.append(name) or {"message": f"{name}: done"}
+                action=lambda request, name=name: (
+                    undone.append(name) or {"message": f"{name}: done"}
+                )
             )
             monkeypatch.setitem(services, name, service)
         models = server.manager.world.models
@@ -158,9 +158,7 @@ def test_the_past_is_shown_with_its_scans_and_the_run_goes_on_from_there(world, 
         tab.press(",")
         wait_until(lambda: tab.text("clock") == "0.0 s, paused", "the way back")
         end = float(tab.of("moment", "max"))
-        tab.value(
-            f"moment.value = {end / 2}; moment.dispatchEvent(new Event('input'))"
-        )
+        tab.value(f"moment.value = {end / 2}; moment.dispatchEvent(new Event('input'))")
         wait_until(lambda: 0 < pose_of(server, "robot").x < 1, "the moment of the slider")
         tab.push("latest")
         wait_until(lambda: "in the past" not in tab.text("banner"), "the latest moment")

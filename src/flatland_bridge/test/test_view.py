@@ -50,7 +50,7 @@ def client_of(page):
 
 def test_it_opens_the_browser_and_ends_by_ctrl_c(world, tmp_path):
     browser = tmp_path / "browser"
-    browser.write_text(f"#!/bin/sh\necho $1 > {tmp_path}/opened.part\nmv {tmp_path}/opened.part {tmp_path}/opened\n")
+    browser.write_text(f"#!/bin/sh\ncd {tmp_path}\necho $1 > opened.part\nmv opened.part opened\n")
     browser.chmod(0o755)
     with view(world, tmp_path, "--follow", "robot", BROWSER=f"{browser} %s") as (process, page):
         wait_until((tmp_path / "opened").exists, "the browser")
@@ -73,9 +73,7 @@ def test_without_a_screen_it_says_so_and_goes_on(world, tmp_path):
         process.send_signal(signal.SIGTERM)
 
         assert process.wait(20) == 0
-        assert process.stderr.read() == (
-            "no browser can be opened here: open the address in one\n"
-        )
+        assert process.stderr.read() == ("no browser can be opened here: open the address in one\n")
 
 
 def test_pages_of_others_and_programs_of_other_users_cannot_command_it(world, tmp_path):

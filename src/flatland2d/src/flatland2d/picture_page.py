@@ -8,6 +8,7 @@ import time
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, Optional
 
+import numpy as np
 from PIL import Image
 
 from flatland2d.browser import open_in_browser
@@ -50,7 +51,7 @@ class PicturePage:
         self._next = 0.0  # time.monotonic of the next picture
         self._server: Optional[ThreadingHTTPServer] = None
         self._changed = threading.Condition()
-        self._picture: Optional[UInt8Array] = None
+        self._picture: UInt8Array = np.empty((0, 0, 3), np.uint8)
         self._number = 0  # of the picture
         self._browsers = 0
 
@@ -91,17 +92,22 @@ class PicturePage:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    @property
+    def port(self) -> int:
+        """The port of the page while it is open, and 0 otherwise."""
+        return self._server.server_port if self._server is not None else 0
+
     def _open(self) -> None:
         page = self
 
         class Handler(_Handler):
-            def do_GET(self) -> None:  # noqa: N802 (http.server's)
+            def do_GET(self) -> None:
                 self.answer(page)
 
         self._server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
         self._server.daemon_threads = True
         threading.Thread(target=self._server.serve_forever, daemon=True).start()
-        open_in_browser(f"http://localhost:{self._server.server_port}/")
+        open_in_browser(f"http://localhost:{self.port}/")
 
     def _send_pictures(self, file: Any) -> None:
         """Sends each picture, or the latest one to a slow browser, until the page ends."""
@@ -111,11 +117,8 @@ class PicturePage:
         sent = 0
         try:
             file.write(_BOUNDARY)
-            while True:
+            while self._wait_for_another(sent):
                 with self._changed:
-                    self._changed.wait_for(lambda: self._number != sent or self._server is None)
-                    if self._number == sent:
-                        return
                     sent, picture = self._number, self._picture
                 content = io.BytesIO()
                 Image.fromarray(picture).save(content, "JPEG", quality=_QUALITY, subsampling=0)
@@ -128,12 +131,18 @@ class PicturePage:
                 self._browsers -= 1
                 self._changed.notify_all()
 
+    def _wait_for_another(self, sent: int) -> bool:
+        """Waits for another picture than that of a number. False if the page ends without one."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._number != sent or self._server is None)
+            return self._number != sent
+
 
 class _Handler(BaseHTTPRequestHandler):
     """Answers browsers. Pages of other sites get nothing: they come with another host's name."""
 
     def answer(self, page: PicturePage) -> None:
-        port = self.server.server_address[1]
+        port = page.port
         is_ours = self.headers.get("Host") in (f"localhost:{port}", f"127.0.0.1:{port}")
         content = {"/": page._html, "/pictures": b""}.get(self.path) if is_ours else None
         if content is None:

@@ -92,7 +92,7 @@ def _dds_server(graph: Graph, access: Access, distribution: str) -> "DdsServer":
         if error.name is None or error.name.startswith("flatland"):
             raise
         raise MissingPackageError(
-            f"--ros2 needs {error.name}: pip install 'flatland2d[bridge,ros2]'"
+            f"--ros2 needs {error.name}: pip install 'flatland2d[ros2]'"
         ) from None
     if access.token is not None:
         raise BridgeError("DDS has no token: leave out either --token or --ros2")
@@ -167,9 +167,7 @@ class Server:
             stack.callback(set_stamp_offset, 0)  # for other simulations of this process
             self.manager.is_paused = is_paused
             name = str(world) if isinstance(world, (str, PathLike)) else None
-            self.graph = SimulatedGraph(
-                self.manager, state_folder, name, with_history=with_history
-            )
+            self.graph = SimulatedGraph(self.manager, state_folder, name, with_history=with_history)
             self.clients = serve_clients(
                 self.graph, rosbridge_port, foxglove_port, access, client_memory
             )

@@ -91,7 +91,7 @@ def _trails(name: str, simulation: Simulation, steps: int) -> List[List[Point]]:
     Odometry is in a frame of its own: it begins where the model is at its first message.
     """
     model = simulation.models[name]
-    drive = next(iter(model.drives), None)
+    drive = next(iter(model.drives), "")
     way: List[Point] = []
     belief: List[Point] = []
     anchor: Optional[Tuple[Pose, Pose]] = None
