@@ -110,8 +110,6 @@ class SimulatedGraph(Graph, Tap):
             last = self._transport.last_latched(topic)
             if last is not None:
                 receive(self._sample(topic, last, is_latched=True))
-            elif self._manager.is_paused:
-                self._measure(topic)
 
         def end() -> None:
             with self._lock:  # at once: a client may be gone, and the simulation busy
@@ -152,7 +150,7 @@ class SimulatedGraph(Graph, Tap):
         if getattr(response, "success", True):
             self._transport.call(self._follow_topics)  # so that the client finds new ones at once
             if service == "/seek":
-                self._transport.call(lambda: self._measure(*self._wanted))
+                self._transport.call(self._measure)
         return response
 
     # Tap: on the simulation's thread
@@ -184,12 +182,11 @@ class SimulatedGraph(Graph, Tap):
             self._follow_subscribers()
             self._follow_topics()
 
-    def _measure(self, *topics: str) -> None:
-        """Publishes what sensors measure during a pause, without a step."""
-        for topic in topics:
-            if topic in self._transport.topics:
-                plugins = self._manager.world.contents.plugins
-                plugins.publish_now(topic, self._manager.timekeeper)
+    def _measure(self) -> None:
+        """Publishes what sensors measure now, without a step."""
+        for topic in self._wanted & set(self._transport.topics):
+            plugins = self._manager.world.contents.plugins
+            plugins.publish_now(topic, self._manager.timekeeper)
 
     def _follow_subscribers(self) -> None:
         """Tells plugins which topics have subscribers."""

@@ -42,7 +42,7 @@ PAGE = Path(__file__).parent / "page"
 
 _KINDS = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
 _FILES = {f"/{file.name}": file for file in PAGE.iterdir() if file.suffix in _KINDS}
-_FILES["/"] = PAGE / "index.html"
+_FILES["/"] = _FILES.pop("/index.html")
 """All that the server has of the file system, by its path in the URL."""
 
 MOST_CLIENTS = 64

@@ -328,7 +328,11 @@ for (const [id, action] of Object.entries(buttons)) {
 get("rate").onchange = () => { changeRate(Number(get("rate").value)); get("rate").blur(); };
 get("robot").onchange = () => { chooseByHand(get("robot").value); get("robot").blur(); };
 get("follow").onchange = () => follow(get("follow").checked);
-for (const id of ["scans", "names", "trail"]) get(id).onchange = show;
+for (const id of ["names", "trail"]) get(id).onchange = show;
+get("scans").onchange = () => {
+  show();
+  if (state.paused && get("scans").checked) seek(state.time);  // sensors measure at each moment that is sought
+};
 get("moment").oninput = () => seek(Number(get("moment").value));
 get("moment").onchange = () => get("moment").blur();
 for (const button of get("pad").children) {

@@ -62,15 +62,17 @@ export class Scans {
   /** Places the scans whose time has come; subscribes to /tf while a frame of one is unknown. */
   place(poses) {
     this.poses = poses;
-    const isDue = ({message}) => seconds(message.header.stamp) <= poses.time;
-    for (const {topic, message} of this.waiting.filter(isDue)) {
+    this.waiting = this.waiting.filter(({topic, message}) => {
       const {frame_id, stamp} = message.header, tf = this.topics.get(topic);
-      const frame = keyOf(frame_id, tf), mount = this.mountOf(frame);
-      if (mount) this.lost.delete(frame); else this.lost.set(frame, tf);
-      const base = mount && poses.at(mount.body, seconds(stamp));
+      const frame = keyOf(frame_id, tf), time = seconds(stamp);
+      if (time > poses.time) return true;
+      const mount = this.mountOf(frame);
+      if (!mount) return this.lost.set(frame, tf);
+      this.lost.delete(frame);
+      const base = poses.at(mount.body, time);
       if (base) this.placed.set(topic, {message, pose: compose(base, mount.pose)});
-    }
-    this.waiting = this.waiting.filter((scan) => !isDue(scan)).slice(-MOST_WAITING);
+      return false;
+    }).slice(-MOST_WAITING);
     this.followFrames("/tf", new Set(this.lost.values()));
     this.onPlaced();
   }
@@ -98,6 +100,7 @@ export class Scans {
       const pose = poseOf(translation, rotation);
       this.frames.set(keyOf(child, tf), {parent: keyOf(header.frame_id, tf), pose});
     }
+    if (this.lost.size) this.place(this.poses);
   }
 
   /** The body that a frame, by its key, is fixed to, and its pose on it; undefined if not known. */
