@@ -188,8 +188,8 @@ function setState({paused, stamp, rate, real_time_factor: factor, history_begin,
   state = {paused, time: seconds(stamp), begin: seconds(history_begin), end: seconds(history_end)};
   const hasPast = state.end > state.begin;
   announce(!paused ? "" : isInPast()
-    ? `${state.time.toFixed(1)} s, in the past: space goes on from here, as another run`
-    : "Paused: space goes on");
+    ? `${state.time.toFixed(1)} s, in the past: Run (space) goes on from here, as another run`
+    : "Paused: Run (space) goes on");
   get("pause").textContent = paused ? "Run" : "Pause";
   get("pause").classList.toggle("on", paused);
   get("clock").textContent = `${state.time.toFixed(1)} s${paused ? ", paused" : `, × ${factor.toFixed(2)}`}`;
@@ -449,7 +449,7 @@ get("view").onpointerup = get("view").onpointercancel = (event) => {
   const {arrow, name, to, turns, hasMoved} = drag ?? {};
   if (event.type === "pointerup" && arrow) spawn(arrow);
   else if (event.type === "pointerup" && hasMoved) {
-    call("/move_model", {name, pose: to}, `${name} is ${turns ? "turned" : "moved"}`);
+    call("/move_model", {name, pose: to}, `${name} is ${turns ? "turned" : "moved"}`).then(() => trail.clear());
   }
   drag = view.arrow = null;
   isDirty = true;
