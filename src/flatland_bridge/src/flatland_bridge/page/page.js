@@ -315,6 +315,13 @@ function toggle(id) {
 }
 
 const showKeys = () => get("keys").open ? get("keys").close() : get("keys").showModal();
+/** Leaves spawning, following, or the view: then Tab goes through the buttons. */
+function leave() {
+  if (isSpawning) setSpawning(false);
+  else if (get("follow").checked) follow(false);
+  else get("view").blur();
+}
+
 const showAll = () => { view.showAll(); follow(false); };
 const latest = () => seek(state.end);
 const buttons = {
@@ -323,10 +330,10 @@ const buttons = {
   save: () => save(false), all: showAll, picture: savePicture, look: changeLook, help: showKeys, latest,
 };
 for (const [id, action] of Object.entries(buttons)) {
-  get(id).onclick = () => { action(); get(id).blur(); };  // space is for the pause again
+  get(id).onclick = () => { action(); get("view").focus(); };  // whose keys are the page's again
 }
-get("rate").onchange = () => { changeRate(Number(get("rate").value)); get("rate").blur(); };
-get("robot").onchange = () => { chooseByHand(get("robot").value); get("robot").blur(); };
+get("rate").onchange = () => { changeRate(Number(get("rate").value)); get("view").focus(); };
+get("robot").onchange = () => { chooseByHand(get("robot").value); get("view").focus(); };
 get("follow").onchange = () => follow(get("follow").checked);
 for (const id of ["names", "trail"]) get(id).onchange = show;
 get("scans").onchange = () => {
@@ -334,7 +341,7 @@ get("scans").onchange = () => {
   if (state.paused && get("scans").checked) seek(state.time);  // sensors measure at each moment that is sought
 };
 get("moment").oninput = () => seek(Number(get("moment").value));
-get("moment").onchange = () => get("moment").blur();
+get("moment").onchange = () => get("view").focus();
 for (const button of get("pad").children) {
   button.onpointerdown = () => driving.press(button.dataset.key);
   for (const kind of ["pointerup", "pointerleave", "pointercancel"]) {
@@ -349,7 +356,7 @@ const actions = {
   "-": () => changeRate(RATES.findLast((rate) => rate < Number(get("rate").value))),
   f: () => toggle("follow"), l: () => toggle("scans"), n: () => toggle("names"), t: () => toggle("trail"),
   Home: showAll, Delete: remove, F1: showKeys, h: showKeys, Tab: () => chooseNext(1),
-  "Shift+Tab": () => chooseNext(-1), Escape: () => isSpawning ? setSpawning(false) : follow(false),
+  "Shift+Tab": () => chooseNext(-1), Escape: leave,
   "Ctrl+z": buttons.undo, "Ctrl+Shift+z": buttons.redo, "Ctrl+s": buttons.save, "Ctrl+Shift+s": () => save(true),
   "Ctrl+p": savePicture, "Alt+ArrowLeft": () => seek(state.time - 10), "Alt+ArrowRight": () => seek(state.time + 10),
   "Alt+Shift+ArrowLeft": () => seek(state.time - 1), "Alt+Shift+ArrowRight": () => seek(state.time + 1),
@@ -360,7 +367,7 @@ addEventListener("keydown", (event) => {
   const {target, ctrlKey, metaKey, altKey, shiftKey} = event, name = nameOf(event);
   driving.isSlow = shiftKey;
   if (target instanceof HTMLSelectElement || get("keys").open) return;
-  if (name === "Tab" && target !== document.body && target !== get("view")) return;  // goes through the buttons
+  if (name === "Tab" && target !== get("view")) return;  // goes through the buttons
   const isPlain = !(ctrlKey || metaKey || altKey);
   const modifiers = `${ctrlKey || metaKey ? "Ctrl+" : ""}${altKey ? "Alt+" : ""}`;
   const action = actions[`${modifiers}${shiftKey ? "Shift+" : ""}${name}`] ?? (isPlain && actions[name]);
@@ -468,3 +475,4 @@ function draw() {
   requestAnimationFrame(draw);
 }
 draw();
+get("view").focus();
