@@ -1,5 +1,6 @@
 """The page in a headless Chromium: what it shows, and what its users do."""
 
+import math
 import re
 from pathlib import Path
 
@@ -123,6 +124,12 @@ def test_what_the_server_does_not_offer_is_disabled(server, tab, monkeypatch):
 
     wait_until(lambda: all(tab.of(name, "disabled") for name in ("undo", "redo", "save")), "that")
     assert tab.of("timeline", "hidden")
+
+
+def test_an_infinite_rate_is_shown(world, tab):
+    with running(world, rate=math.inf) as server:
+        tab.open(server)
+        wait_until(lambda: tab.of("rate", "value") == "max", "the rate")
 
 
 def test_a_copy_is_saved_of_a_world_that_is_not_the_users(world, tab, tmp_path, monkeypatch):

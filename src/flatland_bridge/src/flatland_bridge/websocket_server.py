@@ -385,7 +385,8 @@ def _file(path: str) -> Response:
     headers: Dict[str, str] = {
         "Content-Type": f"{kind}; charset=utf-8",
         "Content-Length": str(len(content)),
-        "Content-Security-Policy": "default-src 'self'; img-src data:; connect-src 'self' ws: wss:",
+        "Content-Security-Policy": "default-src 'self'; img-src data:; "
+        "connect-src 'self' ws: wss:; frame-ancestors 'none'",
         "Cache-Control": "no-store",
         "Connection": "close",
     }

@@ -203,10 +203,11 @@ function setState({paused, stamp, rate, real_time_factor: factor, history_begin,
   }
 }
 
+/** rate: null if it is infinite, as JSON has it. */
 function setRate(rate) {
-  const value = String(rate), select = get("rate");
+  const value = String(rate ?? "max"), select = get("rate");
   if (select.value === value) return;
-  const rates = RATES.includes(rate) ? RATES : [...RATES, rate].sort((a, b) => a - b);
+  const rates = RATES.includes(rate) ? RATES : [...RATES, rate ?? "max"].sort((a, b) => a - b);
   fill(select, rates.map((each) => [each, each]));
   select.value = value;
 }
@@ -218,7 +219,7 @@ function changeRate(rate) {
 /** Pauses, and shows the moment at a time [s], or the nearest one; of several calls the last one counts. */
 async function seek(time) {
   if (state.end <= state.begin) return;
-  sought = Math.min(Math.max(time, state.begin), state.end);
+  sought = state.time = Math.min(Math.max(time, state.begin), state.end);
   if (isSeeking) return;
   isSeeking = true;
   while (sought !== null) {
