@@ -68,7 +68,6 @@ function begin() {
   server.subscribe(`${NODE}/state`, setState);
   server.call("/rosapi/services").then((values) => {
     services = new Set(values.services);
-    for (const id of ["undo", "redo"]) get(id).disabled = !services.has(`/${id}`);
     get("save").disabled = !services.has("/save_world");
   });
 }
@@ -184,7 +183,7 @@ function showPose({name, pose: {x, y, theta}, twist: {linear, angular}}) {
 
 // Time
 
-function setState({paused, stamp, rate, real_time_factor: factor, history_begin, history_end, edits}) {
+function setState({paused, stamp, rate, real_time_factor: factor, history_begin, history_end, edits, ...revertible}) {
   state = {paused, time: seconds(stamp), begin: seconds(history_begin), end: seconds(history_end)};
   const hasPast = state.end > state.begin;
   announce(!paused ? "" : isInPast()
@@ -194,6 +193,10 @@ function setState({paused, stamp, rate, real_time_factor: factor, history_begin,
   get("pause").classList.toggle("on", paused);
   get("clock").textContent = `${state.time.toFixed(1)} s${paused ? ", paused" : `, × ${factor.toFixed(2)}`}`;
   get("save").textContent = edits ? `Save * ${edits}` : "Save";
+  for (const id of ["undo", "redo"]) {  // the names of the edits, if the server tells
+    get(id).disabled = !services.has(`/${id}`) || revertible[id] === "";
+    get(id).title = `${revertible[id] || "the last change of models"} (${id === "undo" ? "Ctrl+Z" : "Ctrl+Shift+Z"})`;
+  }
   setRate(rate);
   get("timeline").hidden = !hasPast;
   get("latest").disabled = !isInPast();
