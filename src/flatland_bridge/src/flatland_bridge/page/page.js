@@ -234,11 +234,11 @@ async function seek(time) {
   isSeeking = false;
 }
 
-const pauseOrRun = () => state.paused ? call("/resume", {}, "running") : call("/pause", {}, "paused");
+const pauseOrRun = () => call(state.paused ? "/resume" : "/pause", {}, "");
 
 async function stepOnce() {
   if (isInPast()) return seek(state.time + STEP);
-  if (!state.paused) await call("/pause", {}, "paused");
+  if (!state.paused) await call("/pause", {}, "");
   return call("/step_world", {}, `a step of ${STEP} s`);
 }
 
