@@ -13,10 +13,10 @@ from python_qt_binding.QtWidgets import QAction, QMenu
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
-from flatland_teleop.trails import Trail, Trails
 from flatland_viz.model_list import Model
 from flatland_viz.scene import Scene
 from flatland_viz.selection import Selection
+from flatland_viz.trail import Trail, Trails
 
 _FRAME = "map"
 _PERIOD = 200  # ms

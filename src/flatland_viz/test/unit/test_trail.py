@@ -9,9 +9,9 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Float64
 
-from flatland_teleop.trails import Trails
 from flatland_viz.model_list import Topic
 from flatland_viz.plotted_values import paths_of, split, value_of
+from flatland_viz.trail import Trails
 from flatland_viz.trail_display import odometry_topic
 
 
