@@ -57,18 +57,9 @@ def wait_for_status(tab, text):
 
 
 @pytest.mark.parametrize("screen", SCREENS)
-def test_models_are_driven_spawned_dragged_saved_and_undone(world, open_tab, screen, monkeypatch):
+def test_models_are_driven_spawned_dragged_saved_and_undone(world, open_tab, screen):
     tab = open_tab(**SCREENS[screen])
     with running(world, state_folder=world.parent, with_history=True) as server:
-        undone = []
-        services = server.graph._services
-        for name in ("/undo", "/redo"):
-            service = services["/reload_world"]._replace(
-                action=lambda request, name=name: (
-                    undone.append(name) or {"message": f"{name}: done"}
-                )
-            )
-            monkeypatch.setitem(services, name, service)
         models = server.manager.world.models
         tab.open(server)
         assert tab.text("status") == "connected"
@@ -101,10 +92,11 @@ def test_models_are_driven_spawned_dragged_saved_and_undone(world, open_tab, scr
         tab.screenshot(f"{screen}_spawned")
 
         tab.press("Ctrl+z")
-        wait_for_status(tab, "/undo: done")
+        wait_for_status(tab, "Undone: Move robot_1")
+        assert pose_of(server, "robot_1").yaw == pytest.approx(0, abs=0.05)
         tab.press("Ctrl+Shift+z")
-        wait_for_status(tab, "/redo: done")
-        assert undone == ["/undo", "/redo"]
+        wait_for_status(tab, "Redone: Move robot_1")
+        assert pose_of(server, "robot_1").yaw == pytest.approx(1.57, abs=0.05)
         tab.press("Ctrl+s")
         wait_for_status(tab, f"1 changed model saved in {world}")
         saved = yaml.safe_load(world.read_text())["models"]

@@ -165,10 +165,19 @@ def test_models_come_and_go_by_services(client):
     states = client.next_of("/flatland_server/model_states")["models"]
     assert {"x": 2.0, "y": 1.0, "theta": 0.0} in [state["pose"] for state in states]
     assert client.call("/delete_model", name="two")["values"]["success"]
+    assert client.call("/undo")["values"]["message"] == "Undone: Delete two"
+    assert "/two/scan" in client.call("/rosapi/topics")["values"]["topics"]
+    assert client.call("/redo")["values"]["success"]
     assert "/two/scan" not in client.call("/rosapi/topics")["values"]["topics"]
     client.call("/step", steps=10)
     assert client.call("/reset", restart_time=True)["values"]["success"]
     assert client.call("/rosapi/get_time")["values"]["time"] == {"secs": 0, "nsecs": 0}
+
+
+def test_diagnostics_tell_how_the_simulation_goes(client):
+    client.subscribed("/diagnostics")
+    [status] = client.next_of("/diagnostics")["status"]
+    assert (status["name"], status["level"]) == ("flatland_server: simulation", 0)
 
 
 def test_clients_offer_services_to_each_other(server, client):

@@ -72,7 +72,6 @@ class Diagnostics(RecordingCase):
 
         fail.publish()
 
-        # The updater announces a new status in a message of its own, as one that is starting up.
         statuses = self.statuses(lambda s: name in s and simulation in s)
         status = statuses[name]
         self.assertEqual(

@@ -12,7 +12,7 @@ from flatland_msgs.msg import DebugTopicList, SimulationState
 from flatland_msgs.srv import ChangeRate, GetModelMarkers, Step
 from rostest_tools import Recorder
 from service_calls import delete, spawn
-from std_srvs.srv import Empty
+from std_srvs.srv import Empty, Trigger
 from visualization_msgs.msg import InteractiveMarkerFeedback as Feedback
 from visualization_msgs.msg import InteractiveMarkerInit, InteractiveMarkerUpdate, MarkerArray
 from waiting import wait_until
@@ -77,6 +77,7 @@ class InteractiveMarkers(unittest.TestCase):
             poses = [each for update in updates.messages for each in update.poses]
             return [each.pose.position.x for each in poses if each.name == BOX]
 
+        begin = self.markers.messages[-1].markers[0].pose.position
         self.send(Feedback.MOUSE_DOWN, 6.0, -0.2, 0.3)
         self.wait_for_state(paused=True)
         dragged = (5.6, 5.1, 4.6)  # not where other tests drag to: their last pose may come late
@@ -90,6 +91,9 @@ class InteractiveMarkers(unittest.TestCase):
         self.wait_for_state(paused=False)
         self.wait_for_pose(4.0, -0.2, 1.0)
         wait_until(lambda: places() and abs(places()[-1] - 4.0) < 1e-6, "the handle to follow")
+        self.state.next(holds=lambda state: state.undo == f"Move {BOX}")
+        self.assertEqual(rospy.ServiceProxy("/undo", Trigger)().message, f"Undone: Move {BOX}")
+        wait_until(lambda: places() and abs(places()[-1] - begin.x) < 1e-3, "it to be back")
         updates.close()
 
     def test_the_ring_is_around_the_footprints_of_a_model(self):

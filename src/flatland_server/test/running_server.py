@@ -25,7 +25,7 @@ SERVICES = (
     *("/spawn_model", "/delete_model", "/move_model", "/get_model_markers"),
     *("/spawn_model_from_string", "/spawn_models", "/delete_models", "/step_world", "/seek"),
     *("/pause", "/resume", "/toggle_pause", "/change_rate", "/open_world", "/save_world"),
-    *("/save_state", "/load_state", "/reset", "/reload_world"),
+    *("/save_state", "/load_state", "/reset", "/reload_world", "/undo", "/redo"),
 )
 USUAL_FILES = 1024  # the soft limit of open files
 

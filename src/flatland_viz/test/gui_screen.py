@@ -173,6 +173,19 @@ class Screen:
     def key(self, *keys):
         self.xdotool("key", "--delay", 40, *keys)
 
+    def choose(self, *keys):
+        """Presses the keys of menus within each other, each once the menu before it is open.
+
+        Qt opens a submenu some milliseconds after its key. A key that a busy window takes before
+        goes to the menu above, where it may be that of another entry.
+        """
+        *menus, entry = keys
+        for key in menus:
+            before = len(self.windows(".*"))
+            self.key(key)
+            wait_until(lambda: len(self.windows(".*")) > before, f"the menu of {key}")  # noqa: B023
+        self.key(entry)
+
     def type(self, text):
         """Types a text; if not ASCII, by the clipboard: xdotool maps other letters too briefly."""
         if str(text).isascii():

@@ -130,7 +130,7 @@ def test_the_window_fits_and_remembers(open_window, ros, screen, waiting):
     screen.picture("fits_small")
 
     other = ScreenKind(kind.width, kind.height, kind.scale, not kind.is_dark)
-    screen.key("alt+v", "c", "l" if kind.is_dark else "d")
+    screen.choose("alt+v", "c", "l" if kind.is_dark else "d")
     looks = Looks(screen, other)
     waiting(lambda: looks.has_background("fits_other"), "the other background", 30)
     waiting(lambda: looks.is_all_alike("fits_other"), "panels in the same look")

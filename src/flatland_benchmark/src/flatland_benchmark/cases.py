@@ -8,6 +8,7 @@ from flatland_benchmark import (  # noqa: F401
     server_cases,
     start_case,
     state_cases,
+    websocket_cases,
 )
 from flatland_benchmark.case import CASES
 

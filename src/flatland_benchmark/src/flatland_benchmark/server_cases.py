@@ -4,9 +4,10 @@ import math
 import tempfile
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Iterator
+from typing import Iterator, Optional
 
 from flatland_benchmark.case import Figures, case
+from flatland_benchmark.highest_rate import MEASURING, highest_rate
 from flatland_benchmark.robot_worlds import write_world
 from flatland_benchmark.server_process import Interval, ServerProcess
 
@@ -62,7 +63,7 @@ def serve_with_subscriber(worlds: Path, robots: int) -> Figures:
     with _robots(worlds, robots, _REAL_TIME) as server:
         subscriber = server.subscribe("subscriber", "--robots")
         subscriber.wait_until_connected()
-        server.call("change_rate", ["rosservice", "call", "/change_rate", "{rate: .inf}"])
+        _change_rate(server, math.inf)
         server.settle(_SETTLING)
         before = subscriber.next_reading()
         interval = server.measure(_MEASURING)
@@ -73,3 +74,26 @@ def serve_with_subscriber(worlds: Path, robots: int) -> Figures:
         received = after.messages[name] - before.messages[name]
         figures[figure] = 100.0 * received / ((each * robots + together) * seconds)
     return figures
+
+
+@case("serve_{robots}_all", "the highest rate with all messages received", robots=_ROBOTS)
+def serve_all(worlds: Path, robots: int) -> Figures:
+    """One subscriber to all robots' topics, at the highest rate at which it misses none."""
+    with _robots(worlds, robots, _REAL_TIME) as server:
+        subscriber = server.subscribe("subscriber", "--robots")
+        subscriber.wait_until_connected()
+
+        def reached(rate: float) -> Optional[float]:
+            _change_rate(server, rate)
+            server.settle(_SETTLING)
+            before = subscriber.next_reading().missing
+            interval = server.measure(MEASURING)
+            has_all = subscriber.next_reading().missing == before
+            return interval.times_real_time if has_all else None
+
+        return {"times real time": highest_rate(reached)}
+
+
+def _change_rate(server: ServerProcess, rate: float) -> None:
+    value = ".inf" if math.isinf(rate) else repr(rate)
+    server.call("change_rate", ["rosservice", "call", "/change_rate", f"{{rate: {value}}}"])

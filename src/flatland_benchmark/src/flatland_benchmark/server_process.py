@@ -39,6 +39,9 @@ class Reading(NamedTuple):
     messages: Dict[str, int]
     """Number of messages received, by message type."""
 
+    missing: int
+    """Number of messages with headers that were lost between those that were received."""
+
 
 class CountingSubscriber:
     """A flatland_counting_subscriber and its readings."""
@@ -70,7 +73,13 @@ class CountingSubscriber:
             if "simulated" in line:
                 is_connected = line["connected"] == line["topics"]
                 self._readings.append(
-                    Reading(line["real"], line["simulated"], is_connected, line["received"])
+                    Reading(
+                        line["real"],
+                        line["simulated"],
+                        is_connected,
+                        line["received"],
+                        line["missing"],
+                    )
                 )
 
     def _pop(self) -> Optional[Reading]:

@@ -5,8 +5,8 @@
 //   --robots   every topic known to the master that ends in /scan or /odometry/filtered, and /tf
 //
 // With each message of the simulation's state (five a second) it prints a line of JSON: real time,
-// simulated time, and the messages so far. It is written in C++ because a subscriber in Python
-// needs more processor time than the server that it measures.
+// simulated time, the messages so far, and how many are missing between them. It is written in C++
+// because a subscriber in Python needs more processor time than the server that it measures.
 
 #include <flatland_msgs/SimulationState.h>
 #include <nav_msgs/Odometry.h>
@@ -15,6 +15,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <map>
 #include <string>
@@ -46,7 +47,14 @@ class CountingSubscriber {
   void Subscribe(const std::string& topic) {
     unsigned long long& count = counts_[ros::message_traits::datatype<Message>()];
     const boost::function<void(const boost::shared_ptr<const Message>&)> received =
-        [&count](const boost::shared_ptr<const Message>&) { ++count; };
+        [this, &count,
+         last = std::uint32_t{0}](const boost::shared_ptr<const Message>& message) mutable {
+          ++count;
+          const std_msgs::Header* header = ros::message_traits::header(*message);
+          if (!header) return;
+          if (last) missing_ += header->seq - last - 1;
+          last = header->seq;
+        };
     subscribers_.push_back(node_.subscribe<Message>(
         topic, kQueueSize, received, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
   }
@@ -56,9 +64,9 @@ class CountingSubscriber {
     size_t connected = 0;
     for (const auto& subscriber : subscribers_) connected += subscriber.getNumPublishers() > 0;
     std::printf(
-        "{\"real\": %.6f, \"simulated\": %.9f, \"topics\": %zu, \"connected\": %zu, \"received\": "
-        "{",
-        Now(), state->stamp.toSec(), subscribers_.size(), connected);
+        "{\"real\": %.6f, \"simulated\": %.9f, \"topics\": %zu, \"connected\": %zu, \"missing\": "
+        "%llu, \"received\": {",
+        Now(), state->stamp.toSec(), subscribers_.size(), connected, missing_);
     const char* separator = "";
     for (const auto& [type, count] : counts_) {
       std::printf("%s\"%s\": %llu", separator, type.c_str(), count);
@@ -72,6 +80,7 @@ class CountingSubscriber {
   ros::Subscriber state_;
   std::vector<ros::Subscriber> subscribers_;
   std::map<std::string, unsigned long long> counts_;  // of messages, by type
+  unsigned long long missing_ = 0;                    // by the numbers in headers
 };
 
 }  // namespace

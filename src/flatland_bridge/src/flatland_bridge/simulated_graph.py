@@ -17,17 +17,15 @@ from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Transform
 from flatland_server.hub.assembly import open_hub
 from flatland_server.hub.client_files import ClientFiles
-from flatland_server.messages.message_types import TYPES, get
+from flatland_server.messages.message_types import get
 from flatland_server.messages.service_types import ServiceType
 from flatland_server.messages.stamps import stamp_offset
 from flatland_server.real_time_timer import RealTimeTimer
 from flatland_server.simulation.simulation_manager import SimulationManager
-from flatland_server.simulation.wall_timekeeper import WallTimekeeper
 from flatland_server.simulation.world import World
 from flatland_server.transport.serialized_transforms import TransformQueue
 from flatland_server.transport.tap import Tap
 
-Clock = get("rosgraph_msgs/Clock")
 TFMessage = get("tf2_msgs/TFMessage")
 
 _TOPICS_PERIOD = 0.2
@@ -64,9 +62,6 @@ class SimulatedGraph(Graph, Tap):
         self._lock = threading.Lock()  # with which alone topics come and go there
         self._wanted: FrozenSet[str] = frozenset()  # topics, as the transport knows them
         self._transforms = TransformQueue()
-        self._own_topics = {"/tf": TFMessage._type}
-        if not isinstance(manager.timekeeper, WallTimekeeper):
-            self._own_topics["/clock"] = Clock._type
         files = _WorldsByName(
             manager.world, state_folder or manager.world.config.model_folders[0], world_name
         )
@@ -167,14 +162,11 @@ class SimulatedGraph(Graph, Tap):
         self._transforms.add(transform)
 
     def _send_step(self) -> None:
-        """Sends the time and the transforms of a step."""
-        receivers = self._receivers
-        if receivers.get("/clock") and "/clock" in self._own_topics:
-            self.receive("/clock", Clock(TYPES.Time(0, self.nanoseconds)), False)
+        """Sends the transforms of a step."""
         data = self._transforms.take()
         if data:
             sample = Sample("/tf", self.nanoseconds, TFMessage, data=data)
-            for receive in receivers.get("/tf", ()):
+            for receive in self._receivers.get("/tf", ()):
                 self._failures.catch(receive, sample)
 
     def _update(self) -> None:
@@ -201,8 +193,8 @@ class SimulatedGraph(Graph, Tap):
 
     def _present_topics(self) -> Topics:
         transport = self._transport
-        types = {**transport.types, **self._own_topics}
-        published = sorted({*transport.topics, *self._own_topics})
+        types = {**transport.types, "/tf": TFMessage._type}
+        published = sorted({*transport.topics, "/tf"})
         return Topics(
             {name: types[name] for name in published},
             {name: types[name] for name in sorted(transport.subscribed) if name in types},

@@ -180,8 +180,7 @@ class EntityServices:
             if request.set_twist and any(body.type == "static" for body in model.config.bodies):
                 raise Failure(Result.RESULT_OPERATION_FAILED, "a static body does not move")
             if request.set_pose:
-                self._manager.world.move_model(request.entity, pose)
-                self._edits.note_move(request.entity, pose)
+                self._edits.move(request.entity, pose)
             x, y, _ = model.base.physics_body.pose
             for body, velocity in zip(model.physics_bodies, velocities):
                 dx, dy = body.pose[0] - x, body.pose[1] - y

@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
-from flatland_plugins.odometry_writer import OdometryWriter, TwistWriter
+from flatland_plugins.odometry_writer import (
+    MotionWriter,
+    Odometry,
+    odometry_maker,
+    twist_maker,
+)
 from flatland_plugins.scan_writer import ScanWriter
 from flatland_server.geometry import Pose
 from flatland_server.messages.wire_form import serialized
@@ -19,7 +24,10 @@ FIELDS = {
 }
 RANGES = np.array([0.1, 2.5, np.inf, 19.999], np.float32)
 COVARIANCES = [float(i) for i in range(36)], [0.5 * i for i in range(36)]
-TWIST = (0.25, -0.125, 3.0)
+MOTIONS = (
+    (Odometry(Pose(1.5, -2.5, 0.7), (0.25, -0.125, 3.0)),),
+    (Odometry(Pose(0.5, 3.5, -1.4), (0.0, 1.0, 2.0)),),
+)
 
 
 @pytest.mark.parametrize(
@@ -31,13 +39,16 @@ TWIST = (0.25, -0.125, 3.0)
             (RANGES[:2], RANGES[:0]),
         ),
         (
-            OdometryWriter("odöm", "robot_base", *COVARIANCES),
-            (Pose(1.5, -2.5, 0.7), TWIST),
-            (Pose(0.5, 3.5, -1.4), (0.0, 1.0, 2.0)),
+            MotionWriter(odometry_maker("odöm", "robot_base", *COVARIANCES), None, None),
+            *MOTIONS,
         ),
-        (TwistWriter("röbot_base", COVARIANCES[0]), (TWIST,), ((0.0, 1.0, 2.0),)),
+        (
+            MotionWriter(odometry_maker("odöm", "robot_base", *COVARIANCES), None, None, False),
+            *MOTIONS,
+        ),
+        (MotionWriter(twist_maker("röbot_base", COVARIANCES[0]), None, None), *MOTIONS),
     ],
-    ids=["scan", "odometry", "twist"],
+    ids=["scan", "odometry", "odometry, twist in its frame", "twist"],
 )
 def test_bytes_are_those_of_the_message_with_the_next_number(writer, first, second):
     for sequence, nanoseconds, values in ((1, 12_345_678_901, first), (2, 5, second)):

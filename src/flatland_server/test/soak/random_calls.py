@@ -28,7 +28,7 @@ from flatland_msgs.srv import (
 from geometry_msgs.msg import Pose2D
 from running_server import NODE, ROBOT, WORLDS, Master, Server
 from soak.findings import Findings
-from std_srvs.srv import Empty
+from std_srvs.srv import Empty, Trigger
 from waiting import wait_until
 
 OWN, SHARED = 4, 3  # names of each client, and of all
@@ -259,11 +259,20 @@ def call_at_random(
     with findings.part("comparisons of the world"):
         wait_until(lambda: models_shown(server) == before | names, f"the models to be {names}")
         wait_until(lambda: scanning(master) <= names, f"the topics of {names}")
+        undo_and_redo(server)
+        wait_until(lambda: models_shown(server) == before | names, f"{names} to be there again")
         for name in names:
             findings.expect(server.delete(name).success, f"seed {seed}: {name} is not there")
         wait_until(lambda: models_shown(server) == before, "all models to be deleted")
         wait_until(lambda: master.topics() == server.topics, "only topics of the start")
     findings.expect("Traceback" not in server.log, f"seed {seed}: a traceback in the log")
+
+
+def undo_and_redo(server: Server) -> None:
+    """Undoes all edits that can be undone, and does as many again."""
+    for service in ("/undo", "/redo"):
+        while "nothing to" not in server.call(service, Trigger).message:
+            pass
 
 
 def check_pause(server: Server, findings: Findings) -> None:

@@ -165,7 +165,10 @@ def test_the_bridge_is_imported_by_flatland_serve_alone_when_it_runs():
         paths, ("flatland_bridge", "websockets", "orjson", "cbor2", "cyclonedds")
     )
 
-    assert {line.partition(":")[0] for line in found} == {"flatland2d/src/flatland2d/cli/serve.py"}
+    assert {line.partition(":")[0] for line in found} == {
+        "flatland2d/src/flatland2d/cli/serve.py",
+        "flatland_benchmark/src/flatland_benchmark/websocket_cases.py",  # a client
+    }
     run_without_ros("import flatland2d.cli\nassert 'flatland_bridge' not in sys.modules")
 
 

@@ -26,7 +26,8 @@ class Server:
         logger.warning("before there was a world")
         self.world = files.load(WORLD)
         self.manager = SimulationManager(self.world, Timekeeper(0.5))
-        log.start(self.manager)
+        log.open(self.manager)
+        self.manager.on_tick.append(log.update)
 
     def tick(self):
         for callback in self.manager.on_tick:

@@ -16,7 +16,7 @@ from flatland_server.ros import rospy_patches
 from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.rospy_patches import PATCHES, RospyCalls, install
-from flatland_server.ros.rospy_patches.public_rospy import LENGTH, MarkerServer
+from flatland_server.ros.rospy_patches.public_rospy import LENGTH
 from flatland_server.ros.rospy_patches.rospy_checks import Requirement
 from flatland_server.timekeeper import Timekeeper
 
@@ -33,7 +33,6 @@ REPLACED = {
     "registration": ["batch_registration", "wait_until_registered"],
     "local_time": ["take_over_time"],
     "latched_topics": ["forget_latched"],
-    "marker_server": ["marker_server"],
 }
 """The calls that each patch replaces."""
 
@@ -198,16 +197,6 @@ def test_topics_are_registered_one_by_one_without_patches(monkeypatch):
 
     assert ["/topic", Clock._type] in rospy.topics.get_topic_manager().get_publications()
     publisher.close()
-
-
-def test_keep_alive_messages_are_left_to_the_library_without_patches(monkeypatch):
-    monkeypatch.delattr(MarkerServer.__mro__[1], "__del__")
-    server = MarkerServer.__new__(RospyCalls().marker_server)
-
-    server.keep_alive()  # would fail if it did anything with a server without topics
-    server.allow_drag("robot")
-
-    assert server.__dict__ == {}
 
 
 def rospy_internals(path: Path) -> List[str]:

@@ -1,21 +1,11 @@
 """The tools with which models are selected, dragged and spawned, for the window."""
 
 import json
-from typing import Any, Dict, NamedTuple, Tuple
+from typing import Any, Dict
 
 from python_qt_binding.QtCore import QObject, Signal
 
 from flatland_viz.selection import Selection
-
-
-class Spawned(NamedTuple):
-    """A model that was spawned, or that could be spawned again."""
-
-    name: str
-    namespace: str
-    file: str
-    pose: Tuple[float, float, float]
-    """x, y [m] and yaw [rad]."""
 
 
 class Interaction(QObject):
@@ -30,24 +20,22 @@ class Interaction(QObject):
     state_changed = Signal(object)
     """Pose and velocity of the selected model, a few times a second: `x`, `y`, `theta`, `vx`,
     `vy`, `omega`; empty if they are unknown."""
-    moved = Signal(str, object, object)
-    """The user has dragged a model: its name, its former pose and the new one (x, y, yaw)."""
-    spawned = Signal(object)
-    """The user has spawned a model: a `Spawned`."""
+    edited = Signal()
+    """The user has dragged or spawned a model."""
     menu_asked = Signal(str)
     """The user asks for the context menu of this model."""
 
     def __init__(self, tool: Any, spawn_tool: Any, selection: Selection) -> None:
         super().__init__()
         properties = tool.getPropertyContainer()
-        self._selected, self._state, self._moved, self._menu = (
-            properties.subProp(name) for name in ("Selected", "State", "Moved", "Menu")
+        self._selected, self._state, self._dragged, self._menu = (
+            properties.subProp(name) for name in ("Selected", "State", "Dragged", "Menu")
         )
         self.handles = properties.subProp("Handles")
         self._selection = selection
         self._selected.changed.connect(self._on_selected)
         self._state.changed.connect(lambda: self.state_changed.emit(self.state))
-        self._moved.changed.connect(self._on_moved)
+        self._dragged.changed.connect(self._on_dragged)
         self._menu.changed.connect(self._on_menu)
         selection.changed.connect(self._selected.setValue)
         self._spawned = None
@@ -58,33 +46,25 @@ class Interaction(QObject):
     @property
     def state(self) -> Dict[str, Any]:
         """The last state; see `state_changed`."""
-        state: Dict[str, Any] = _from_json(self._state.getValue())
+        text = self._state.getValue()
+        state: Dict[str, Any] = json.loads(text) if text else {}
         return state if state.get("name") == self._selection.name else {}
 
     def _on_selected(self) -> None:
         self._selection.select(self._selected.getValue())
 
-    def _on_moved(self) -> None:
-        moved = _from_json(self._moved.getValue())
-        if moved:
-            to = moved["to"]
-            former = (moved["x"], moved["y"], moved["theta"])
-            self.moved.emit(moved["name"], former, (to["x"], to["y"], to["theta"]))
+    def _on_dragged(self) -> None:
+        if self._dragged.getValue():
+            self.edited.emit()
 
     def _on_spawned(self) -> None:
         assert self._spawned is not None
-        spawned = _from_json(self._spawned.getValue())
-        if spawned:
-            pose = (spawned["x"], spawned["y"], spawned["theta"])
-            model = Spawned(spawned["name"], spawned["ns"], spawned["file"], pose)
-            self._selection.select(model.name)
-            self.spawned.emit(model)
+        name = self._spawned.getValue()
+        if name:
+            self._selection.select(name)
+            self.edited.emit()
 
     def _on_menu(self) -> None:
         name = self._menu.getValue()
         if name:
             self.menu_asked.emit(name)
-
-
-def _from_json(text: str) -> Any:
-    return json.loads(text) if text else {}

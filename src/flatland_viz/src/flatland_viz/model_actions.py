@@ -1,20 +1,19 @@
 """Actions on the selected model: in the side panel, in its menu, by keys."""
 
 import math
-from functools import partial
 from typing import Any, Callable, Dict, Optional, Tuple
 
 from python_qt_binding.QtCore import QObject, Signal
 from python_qt_binding.QtGui import QCursor, QKeySequence
 from python_qt_binding.QtWidgets import QAction, QApplication, QDialog, QMenu, QWidget
 
-from flatland_viz.interaction import Interaction, Spawned
+from flatland_viz.interaction import Interaction
 from flatland_viz.model_list import Model, free_name, namespace_of_copy
 from flatland_viz.move_dialog import MoveDialog
 from flatland_viz.selection import Selection
 from flatland_viz.server import Pose, Server
+from flatland_viz.status import Simulation
 from flatland_viz.topic_values import number
-from flatland_viz.undo import Undoable, UndoStack
 
 _GAP = 0.3  # m between a model and its duplicate
 
@@ -51,8 +50,8 @@ class ModelActions(QObject):
         self._follow_model = follow
         self._followed = ""
         self._models: Dict[str, Model] = {}
-        self._namespaces: Dict[str, str] = {}  # of spawned models, as they were given
-        self._undo = UndoStack()
+        self.has_edited = False
+        """True if models have been changed in this window since they were saved."""
         self.follow = self._action("&Follow", "follow", self._toggle_follow, "F")
         self.follow.setCheckable(True)
         self.drive = self._action("&Drive", "drive", self._drive)
@@ -60,13 +59,16 @@ class ModelActions(QObject):
         self.move_to = self._action("&Move to...", "move_to", self._ask_where, "M")
         self.duplicate = self._action("Dup&licate", "duplicate", self._duplicate, "Ctrl+D")
         self.delete = self._action("D&elete", "delete", self._delete, "Delete")
-        self.undo = self._action("&Undo", "undo", self._undo_last, "Ctrl+Z")
-        self.redo = self._action("&Redo", "redo", self._redo_last, "Ctrl+Shift+Z")
+        self.undo = self._action("&Undo", "undo", lambda: server.undo(self._note_edit), "Ctrl+Z")
+        self.redo = self._action(
+            "&Redo", "redo", lambda: server.redo(self._note_edit), "Ctrl+Shift+Z"
+        )
+        for action in (self.undo, self.redo):
+            action.setEnabled(False)  # until the server tells
         self._menu = QMenu(window, objectName="menu_model")
         self.fill(self._menu)
         selection.changed.connect(self._show)
-        interaction.moved.connect(self._note_move)
-        interaction.spawned.connect(self._note_spawn)
+        interaction.edited.connect(self._note_edit)
         interaction.menu_asked.connect(lambda name: self._menu.popup(QCursor.pos()))
         self._show()
 
@@ -79,15 +81,6 @@ class ModelActions(QObject):
             action.setToolTip(f"{text.replace('&', '').rstrip('.')} ({key})")
         self._window.addAction(action)
         return action
-
-    @property
-    def has_edited(self) -> bool:
-        """True if models have been changed in this window since they were saved."""
-        return not self._undo.is_saved
-
-    def note_saved(self) -> None:
-        """Notes that all changes are in the world's file, or are gone."""
-        self._undo.note_saved()
 
     @property
     def all(self) -> Tuple[QAction, ...]:
@@ -109,10 +102,14 @@ class ModelActions(QObject):
             self._set_followed("")
         self._show()
 
-    def forget(self) -> None:
-        """Clears the undo stack: the world has begun again."""
-        self._undo.clear()
-        self._show()
+    def show_simulation(self, simulation: Simulation) -> None:
+        """Shows the edits that can be undone and redone."""
+        for action, word, text in (
+            (self.undo, "&Undo", simulation.undo),
+            (self.redo, "&Redo", simulation.redo),
+        ):
+            action.setEnabled(bool(text))
+            action.setText(f"{word}: {text}" if text else word)
 
     @property
     def _model(self) -> Optional[Model]:
@@ -131,12 +128,6 @@ class ModelActions(QObject):
         self.drive.setEnabled(model is not None and bool(model.command_topic))
         self.duplicate.setEnabled(model is not None and bool(model.file))
         self.follow.setChecked(model is not None and self._followed == model.name)
-        for action, word, text in (
-            (self.undo, "&Undo", self._undo.text),
-            (self.redo, "&Redo", self._undo.redo_text),
-        ):
-            action.setEnabled(bool(text))
-            action.setText(f"{word}: {text}" if text else word)
 
     def _set_followed(self, name: str) -> None:
         self._followed = name
@@ -168,29 +159,10 @@ class ModelActions(QObject):
             return
         dialog = MoveDialog(self._window, name, pose)
         if dialog.exec_() == QDialog.Accepted:
-            self._move(name, pose, dialog.pose)
+            self._server.move(name, dialog.pose, self._note_edit)
 
-    def _move(self, name: str, before: Pose, pose: Pose) -> None:
-        self._server.move(name, pose, partial(self._note_move, name, before, pose))
-
-    def _note_move(self, name: str, before: Pose, pose: Pose) -> None:
-        move = self._server.move
-        self._push(
-            Undoable(
-                f"Move {name}",
-                partial(move, name, before, _nothing),
-                partial(move, name, pose, _nothing),
-            )
-        )
-
-    def _note_spawn(self, model: Spawned, verb: str = "Spawn") -> None:
-        self._namespaces[model.name] = model.namespace
-        delete = partial(self._server.delete, model.name, _nothing)
-        self._push(Undoable(f"{verb} {model.name}", delete, partial(self._restore, model)))
-
-    def _restore(self, model: Spawned) -> None:
-        then = partial(self._selection.select, model.name)
-        self._server.spawn(model.file, model.name, model.namespace, model.pose, then)
+    def _note_edit(self) -> None:
+        self.has_edited = True
 
     def _duplicate(self) -> None:
         model, pose = self._model, self._pose
@@ -203,45 +175,20 @@ class ModelActions(QObject):
         y = pose[1] - by * math.cos(pose[2])
 
         own = f"~{namespace}" if namespace else ""  # with a frame of odometry of its own
-        copy = Spawned(name, own, model.file, (x, y, pose[2]))
 
         def spawned() -> None:
             self._selection.select(name)
-            self._note_spawn(copy, "Duplicate")
+            self._note_edit()
 
-        self._server.spawn(model.file, name, own, copy.pose, spawned)
+        self._server.spawn(model.file, name, own, (x, y, pose[2]), spawned)
 
     def _delete(self) -> None:
-        model, pose = self._model, self._pose
-        if model is None:
+        name = self._selection.name
+        if self._model is None:
             return
 
         def deleted() -> None:
-            self.hint.emit(f"Deleted {model.name}.")
-            if model.file and pose is not None:
-                namespace = self._namespaces.get(model.name, model.namespace)
-                former = Spawned(model.name, namespace, model.file, pose)
-                again = partial(self._server.delete, model.name, _nothing)
-                self._push(Undoable(f"Delete {model.name}", partial(self._restore, former), again))
+            self.hint.emit(f"Deleted {name}.")
+            self._note_edit()
 
-        self._server.delete(model.name, deleted)
-
-    def _push(self, done: Undoable) -> None:
-        self._undo.push(done)
-        self._show()
-
-    def _undo_last(self) -> None:
-        text = self._undo.undo()
-        if text:
-            self.hint.emit(f"Undone: {text}")
-        self._show()
-
-    def _redo_last(self) -> None:
-        text = self._undo.redo()
-        if text:
-            self.hint.emit(f"Done again: {text}")
-        self._show()
-
-
-def _nothing() -> None:
-    pass
+        self._server.delete(name, deleted)

@@ -88,11 +88,7 @@ class ModelWorkbench(QObject):
 
     def note_saved(self) -> None:
         """Notes that all changes are in the world's file, or are gone."""
-        self._actions.note_saved()
-
-    def forget(self) -> None:
-        """Clears the undo stack: the world has begun again."""
-        self._actions.forget()
+        self._actions.has_edited = False
 
     def _on_models(self, models: Dict[str, Model]) -> None:
         self._models = models
@@ -103,6 +99,7 @@ class ModelWorkbench(QObject):
 
     def _on_simulation(self, simulation: Simulation) -> None:
         self.panel.set_time(simulation.time)
+        self._actions.show_simulation(simulation)
 
     def _show_colors(self) -> None:
         """Gives robots' scans, plans and goals, and the list, their colours."""

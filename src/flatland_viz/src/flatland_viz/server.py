@@ -145,6 +145,14 @@ class Server(QObject):
         """Moves a model; calls `then` if that succeeds."""
         self._call("move_model", MoveModel, name, Pose2D(*pose), then=then)
 
+    def undo(self, then: Callable[[], None]) -> None:
+        """Undoes the latest edit of any client; calls `then` if that succeeds."""
+        self._call("undo", Trigger, then=then, done=_message)
+
+    def redo(self, then: Callable[[], None]) -> None:
+        """Does again what was undone last; calls `then` if that succeeds."""
+        self._call("redo", Trigger, then=then, done=_message)
+
     def step(self, count: int) -> None:
         """Makes steps while the simulation is paused."""
         steps = "1 step" if count == 1 else f"{count} steps"
@@ -255,6 +263,8 @@ class Server(QObject):
                 message.history_begin.to_sec(),
                 message.history_end.to_sec(),
                 message.edits,
+                message.undo,
+                message.redo,
             ),
         )
 
@@ -312,6 +322,10 @@ class Server(QObject):
         if publishers != self._publishers:
             self._publishers = publishers
             self._emit(self.publishers_changed, publishers)
+
+
+def _message(response: Any) -> str:
+    return str(response.message)
 
 
 def _parameter(master: rosgraph.Master, name: str) -> Optional[str]:

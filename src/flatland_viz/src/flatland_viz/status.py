@@ -23,6 +23,10 @@ class Simulation(NamedTuple):
     """The last one [s]; equal to `begin` if there are none."""
     edits: int = 0
     """The number of models that differ from the world's file, by changes of clients."""
+    undo: str = ""
+    """The edit that would be undone; empty if there is none."""
+    redo: str = ""
+    """The edit that would be done again."""
 
 
 class Status(NamedTuple):

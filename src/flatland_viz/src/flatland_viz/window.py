@@ -159,7 +159,7 @@ class Window(QMainWindow):
 
     def _on_simulation(self, simulation: Simulation) -> None:
         if has_restarted(self._simulation, self._silence(), simulation):
-            self._workbench.forget()
+            self._workbench.note_saved()
             for delay in _RESET_DELAYS:
                 QTimer.singleShot(delay, self._scene.begin_again)
         self._simulation = simulation

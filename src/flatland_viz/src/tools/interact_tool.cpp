@@ -34,15 +34,6 @@ double Distance(const QPointF& a, const QPointF& b) {
   return std::hypot(a.x() - b.x(), a.y() - b.y());
 }
 
-QString ToJson(const QJsonObject& object) {
-  return QJsonDocument(object).toJson(QJsonDocument::Compact);
-}
-
-QJsonObject NamedPose(const std::string& name, const geometry_msgs::Pose2D& pose) {
-  return {
-      {"name", QString::fromStdString(name)}, {"x", pose.x}, {"y", pose.y}, {"theta", pose.theta}};
-}
-
 rviz::StringProperty* HiddenProperty(const QString& name, rviz::Property* container) {
   auto* property = new rviz::StringProperty(name, "", "", container);
   property->setHidden(true);
@@ -57,7 +48,7 @@ InteractTool::InteractTool()
           "Handles", true, "Rings around models, to turn them.", getPropertyContainer())),
       selected_(HiddenProperty("Selected", getPropertyContainer())),
       state_(HiddenProperty("State", getPropertyContainer())),
-      moved_(HiddenProperty("Moved", getPropertyContainer())),
+      dragged_(HiddenProperty("Dragged", getPropertyContainer())),
       menu_(HiddenProperty("Menu", getPropertyContainer())) {
   shortcut_key_ = 'i';
 }
@@ -248,11 +239,8 @@ void InteractTool::EndDrag() {
   drag_.End();
   models_->SetDragged("");
   press_.reset();
-  if (!models_->Find(drag_.model())) return;  // it was deleted meanwhile
-  QJsonObject moved = NamedPose(drag_.model(), drag_.start());
-  moved["to"] = NamedPose(drag_.model(), drag_.pose());
-  moved["number"] = ++drags_;  // two drags may begin at the same pose
-  moved_->setString(ToJson(moved));
+  dragged_->setString("");  // the same model may have been dragged before
+  dragged_->setString(QString::fromStdString(drag_.model()));
 }
 
 void InteractTool::PassOn(rviz::ViewportMouseEvent& event) {
@@ -316,11 +304,16 @@ void InteractTool::TellState() {
     state_->setString("");
     return;
   }
-  QJsonObject state = NamedPose(model->info.name, model->state.pose);
-  state["vx"] = model->state.twist.linear.x;
-  state["vy"] = model->state.twist.linear.y;
-  state["omega"] = model->state.twist.angular.z;
-  state_->setString(ToJson(state));
+  const geometry_msgs::Pose2D& pose = model->state.pose;
+  const geometry_msgs::Twist& twist = model->state.twist;
+  const QJsonObject state{{"name", QString::fromStdString(model->info.name)},
+                          {"x", pose.x},
+                          {"y", pose.y},
+                          {"theta", pose.theta},
+                          {"vx", twist.linear.x},
+                          {"vy", twist.linear.y},
+                          {"omega", twist.angular.z}};
+  state_->setString(QJsonDocument(state).toJson(QJsonDocument::Compact));
 }
 
 }  // namespace flatland_viz

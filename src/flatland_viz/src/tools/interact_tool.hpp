@@ -34,9 +34,8 @@ struct WorldModel;
 /// view.
 ///
 /// Its hidden properties connect it with the window's panels: "Selected" is the name of the
-/// selected model, "State" its pose and velocity, "Moved" where a model was before it was dragged,
-/// "Menu" the model of which the user asks for the context menu. All but "Selected" are for
-/// reading.
+/// selected model, "State" its pose and velocity, "Dragged" the model that was dragged last, "Menu"
+/// that of which the user asks for the context menu. All but "Selected" are for reading.
 class InteractTool : public rviz::Tool {
   Q_OBJECT
 
@@ -82,14 +81,13 @@ class InteractTool : public rviz::Tool {
   rviz::BoolProperty* handles_are_shown_;
   rviz::StringProperty* selected_;
   rviz::StringProperty* state_;
-  rviz::StringProperty* moved_;
+  rviz::StringProperty* dragged_;
   rviz::StringProperty* menu_;
 
   std::shared_ptr<WorldModels> models_;
   std::unique_ptr<ModelHandle> hovered_handle_, selected_handle_;
   std::unique_ptr<BeforeRender> before_render_;
   ModelDrag drag_;
-  int drags_ = 0;
   Part dragged_part_ = Part::kNone;
   QPointF turn_middle_;  // of the model that is being turned, in the world [m]
   std::optional<Press> press_;

@@ -18,8 +18,7 @@ class ModelDrag {
 
   bool is_active() const { return is_active_; }
   const std::string& model() const { return model_; }
-  /// The poses of the model at the beginning and now.
-  const geometry_msgs::Pose2D& start() const { return start_; }
+  /// The pose of the model now.
   const geometry_msgs::Pose2D& pose() const { return pose_; }
 
   void Begin(const std::string& model, const geometry_msgs::Pose2D& start, const QPointF& at);

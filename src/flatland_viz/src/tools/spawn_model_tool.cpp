@@ -189,7 +189,7 @@ void SpawnModelTool::Spawn() {
           }
           properties_.Write(next);
           files_.AddRecent(choice.file);
-          properties_.Announce(choice, pose_);
+          properties_.Announce(choice.Name());
           Q_EMIT close();
           setStatus(QString("Spawned %1.").arg(choice.Name().toHtmlEscaped()));
         }

@@ -4,9 +4,6 @@
 #include <rviz/properties/int_property.h>
 #include <rviz/properties/string_property.h>
 
-#include <QJsonDocument>
-#include <QJsonObject>
-
 namespace flatland_viz {
 
 SpawnProperties::SpawnProperties(rviz::Property* container)
@@ -44,12 +41,9 @@ void SpawnProperties::Write(const ModelChoice& choice) {
   number_->setInt(choice.number);
 }
 
-void SpawnProperties::Announce(const ModelChoice& choice, const geometry_msgs::Pose2D& pose) {
-  const QJsonObject spawned{{"name", choice.Name()}, {"ns", choice.Namespace()},
-                            {"file", choice.file},   {"x", pose.x},
-                            {"y", pose.y},           {"theta", pose.theta},
-                            {"number", ++spawns_}};  // the same may be spawned twice
-  spawned_->setString(QJsonDocument(spawned).toJson(QJsonDocument::Compact));
+void SpawnProperties::Announce(const QString& name) {
+  spawned_->setString("");  // one of this name may have been spawned before
+  spawned_->setString(name);
 }
 
 }  // namespace flatland_viz

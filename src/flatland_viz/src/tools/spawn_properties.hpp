@@ -2,8 +2,6 @@
 
 /// The model to spawn as properties of the tool, in rviz's panel and in its configuration file.
 
-#include <geometry_msgs/Pose2D.h>
-
 #include "model_choice.hpp"
 
 namespace rviz {
@@ -23,8 +21,8 @@ class SpawnProperties {
 
   ModelChoice Read() const;
   void Write(const ModelChoice& choice);
-  /// Tells the window that a model was spawned, by a hidden property "Spawned".
-  void Announce(const ModelChoice& choice, const geometry_msgs::Pose2D& pose);
+  /// Tells the window the name of a model that was spawned, by a hidden property "Spawned".
+  void Announce(const QString& name);
 
  private:
   rviz::StringProperty* file_;
@@ -33,7 +31,6 @@ class SpawnProperties {
   rviz::BoolProperty* is_numbered_;
   rviz::IntProperty* number_;
   rviz::StringProperty* spawned_;
-  int spawns_ = 0;
 };
 
 }  // namespace flatland_viz

@@ -157,8 +157,7 @@ def test_a_held_key_does_not_drive_the_next_robot_when_its_own_is_deleted(applic
 class Interaction(QObject):
     """A selected model at rest, with a negative zero in its pose."""
 
-    moved = Signal(str, object, object)
-    spawned = Signal(object)
+    edited = Signal()
     menu_asked = Signal(str)
     state_changed = Signal(object)
 
@@ -183,7 +182,7 @@ def actions(application):
 
 
 class Server:
-    """Spawns and deletes at once, and notes the namespaces of what it spawns."""
+    """Spawns at once, and notes the namespaces of what it spawns."""
 
     def __init__(self):
         self.namespaces = []
@@ -192,20 +191,23 @@ class Server:
         self.namespaces.append(namespace)
         then()
 
-    def delete(self, name, then):
-        then()
 
-
-def test_a_copy_has_a_frame_of_odometry_of_its_own_also_when_it_comes_back(actions):
+def test_a_copy_has_a_frame_of_odometry_of_its_own(actions):
     actions._server = Server()
     actions.set_models({"r1": robot("r1")._replace(file="robot.yaml")})
     actions.duplicate.trigger()
-    actions.set_models({name: robot(name)._replace(file="robot.yaml") for name in ("r1", "r2")})
-    actions._selection.select("r2")
-    actions.delete.trigger()
-    actions.undo.trigger()
 
-    assert actions._server.namespaces == ["~r2", "~r2"]
+    assert actions._server.namespaces == ["~r2"]
+    assert actions.has_edited
+
+
+def test_the_menu_names_the_next_edit_to_undo(actions):
+    actions.show_simulation(Simulation(0.0, False, 1.0, 1.0, undo="Move r1"))
+
+    assert actions.undo.text() == "&Undo: Move r1"
+    assert actions.undo.isEnabled()
+    assert actions.redo.text() == "&Redo"
+    assert not actions.redo.isEnabled()
 
 
 def test_a_copied_pose_has_no_negative_zeros(actions):

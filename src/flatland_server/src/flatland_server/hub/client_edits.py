@@ -1,10 +1,13 @@
-"""The changes that clients have made to a world's models, for /save_world and for viewers."""
+"""The changes that clients make to a world's models: undone, redone, and saved by /save_world."""
 
 import os
+from contextlib import contextmanager
 from dataclasses import replace
-from typing import Dict, Iterable, List, NamedTuple, Tuple
+from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Tuple
 
+from flatland_server.exceptions import FlatlandError, ModelError, counted
 from flatland_server.geometry import Pose
+from flatland_server.models.model import Model
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import ModelEntry
 
@@ -12,6 +15,9 @@ _DIGITS = 4
 """Of poses in world files: tenths of a millimetre."""
 
 _ORIGIN = Pose()
+
+_MOST_EDITS = 100
+"""Edits that can be undone."""
 
 
 class Changes(NamedTuple):
@@ -42,33 +48,211 @@ class Changes(NamedTuple):
         return (*kept, *self.added)
 
 
+class _Placed(NamedTuple):
+    """A model in the world."""
+
+    entry: ModelEntry
+    """With its present pose."""
+    layout: Optional[Pose]
+    """Its pose as the world's file has it, with the edits so far; None if it is a plugin's."""
+
+
+class Edit:
+    """One action of a client.
+
+    Attributes:
+        before: the models that it concerns, by name; None if there was none of the name.
+        after: the same, after the action.
+    """
+
+    def __init__(self, before: Dict[str, Optional[_Placed]]) -> None:
+        self.before = self.after = before
+
+    @property
+    def text(self) -> str:
+        """The name of the action, such as `Move r2`."""
+        names = list(self.before)
+        what = names[0] if len(names) == 1 else counted(len(names), "model")
+        if not any(self.before.values()):
+            return f"Spawn {what}"
+        return f"Move {what}" if any(self.after.values()) else f"Delete {what}"
+
+    @property
+    def is_empty(self) -> bool:
+        """True if the models are as they were."""
+        return all(_is_at(place, self.after[name]) for name, place in self.before.items())
+
+
 class ClientEdits:
     """Moves, spawns and deletions by clients; what robots and plugins do is none of them.
 
     They are noted in the world's contents, and are compared with its file when they are asked for.
     So an edit that is undone is no change, a reset undoes all of them, and a loaded state has those
-    that it was saved with.
+    that it was saved with. With other contents, there is nothing to undo.
 
     Args:
         world: has the models.
+
+    Attributes:
+        revision: counts edits, also those that are undone and redone.
     """
 
     def __init__(self, world: World) -> None:
         self._world = world
+        self._contents = world.contents
+        self._done: List[Edit] = []  # the latest last
+        self._undone: List[Edit] = []
+        self.revision = 0
 
-    def note_move(self, name: str, pose: Pose) -> None:
-        """Notes that a client has put a model at a pose."""
-        layout = self._world.contents.layout
-        if name in layout:  # else it is a plugin's
-            layout[name] = pose
+    @contextmanager
+    def edit(self, names: Iterable[str], extends: Optional[Edit] = None) -> Iterator[Edit]:
+        """A context whose changes of models are one edit.
 
-    def note_spawn(self, entry: ModelEntry) -> None:
-        """Notes that a client has added a model."""
+        Args:
+            names: of the models that may change.
+            extends: an edit of the same models, such as the beginning of a drag. If it is still the
+                latest, the changes are a part of it.
+        """
+        self._follow_contents()
+        done = self._done
+        is_part = extends is not None and bool(done) and done[-1] is extends
+        edit = done[-1] if is_part else Edit({name: self._placed(name) for name in names})
+        yield edit
+        edit.after = {name: self._placed(name) for name in edit.before}
+        if is_part:
+            done.pop()
+        if not edit.is_empty:
+            done.append(edit)
+            del done[:-_MOST_EDITS]
+            self._undone.clear()
+        self.revision += 1
+
+    def move(self, name: str, pose: Pose, extends: Optional[Edit] = None) -> Edit:
+        """Moves a model.
+
+        Args:
+            name: of the model.
+            pose: its new one.
+            extends: as for `edit`.
+
+        Raises:
+            ModelError: there is no such model, or the pose is outside the limits of worlds.
+        """
+        with self.edit([name], extends) as edit:
+            self._world.move_model(name, pose)
+            layout = self._world.contents.layout
+            if name in layout:
+                layout[name] = pose
+        return edit
+
+    def spawn(self, entry: ModelEntry) -> Model:
+        """Adds a model, within a context `edit`.
+
+        Args:
+            entry: of the model.
+
+        Raises:
+            FlatlandError: it cannot be added.
+        """
+        model = self._world.add_model(entry)
         self._world.contents.layout[entry.name] = entry.pose
+        return model
 
-    def note_deletion(self, name: str) -> None:
-        """Notes that a client has deleted a model."""
-        self._world.contents.layout.pop(name, None)
+    def delete(self, names: Iterable[str]) -> None:
+        """Deletes models, unless plugins of one have deleted another.
+
+        Args:
+            names: of the models.
+        """
+        names = list(names)
+        with self.edit(names):
+            self.discard(names)
+
+    def discard(self, names: Iterable[str]) -> None:
+        """Deletes models for ever, like `delete`.
+
+        Args:
+            names: of the models.
+        """
+        for name in names:
+            if name in self._world.models:
+                self._world.delete_model(name)
+                self._world.contents.layout.pop(name, None)
+
+    def undo(self) -> str:
+        """Undoes the latest edit; returns its name.
+
+        Raises:
+            FlatlandError: there is none, or models have changed so that it cannot be undone.
+        """
+        self._follow_contents()
+        if not self._done:
+            raise FlatlandError("there is nothing to undo")
+        edit = self._done.pop()
+        self._make(edit.before, edit.after)
+        self._undone.append(edit)
+        return edit.text
+
+    def redo(self) -> str:
+        """Does again what was undone last; returns its name.
+
+        Raises:
+            FlatlandError: as for `undo`.
+        """
+        self._follow_contents()
+        if not self._undone:
+            raise FlatlandError("there is nothing to redo")
+        edit = self._undone.pop()
+        self._make(edit.after, edit.before)
+        self._done.append(edit)
+        return edit.text
+
+    @property
+    def next_texts(self) -> Tuple[str, str]:
+        """The names of the next edits to undo and to redo, empty where there is none."""
+        self._follow_contents()
+        undo, redo = (edits[-1].text if edits else "" for edits in (self._done, self._undone))
+        return undo, redo
+
+    def _follow_contents(self) -> None:
+        if self._contents is not self._world.contents:
+            self._contents = self._world.contents
+            self._done.clear()
+            self._undone.clear()
+
+    def _placed(self, name: str) -> Optional[_Placed]:
+        contents = self._world.contents
+        if name not in contents.models:
+            return None
+        entry = replace(contents.additions.entries[name], pose=contents.models[name].pose)
+        return _Placed(entry, contents.layout.get(name))
+
+    def _make(
+        self, places: Dict[str, Optional[_Placed]], former: Dict[str, Optional[_Placed]]
+    ) -> None:
+        """Spawns, moves and deletes models.
+
+        Args:
+            places: as they are to be.
+            former: as an edit has left them; else they are not touched.
+        """
+        world = self._world
+        layout = world.contents.layout
+        self.revision += 1
+        for name, place in places.items():
+            if (name in world.models) != (former[name] is not None):
+                is_there = "there is" if name in world.models else "there is no"
+                raise ModelError(f'{is_there} model named "{name}" meanwhile')
+            layout.pop(name, None)
+            if place is None:
+                world.delete_model(name)
+                continue
+            if former[name] is not None:
+                world.move_model(name, place.entry.pose)
+            else:
+                world.add_model(place.entry)
+            if place.layout is not None:
+                layout[name] = place.layout
 
     @property
     def changes(self) -> Changes:
@@ -102,6 +286,14 @@ def nearest(former: Pose, pose: Pose) -> Pose:
             for before, now in zip(former, pose)
         )
     )
+
+
+def _is_at(place: Optional[_Placed], other: Optional[_Placed]) -> bool:
+    """True if a model is where it was; or neither place has one."""
+    if place is None or other is None:
+        return place is other
+    before, after = place.entry.pose, other.entry.pose
+    return nearest(before, after) == before
 
 
 def _is_same(entry: ModelEntry, other: ModelEntry) -> bool:

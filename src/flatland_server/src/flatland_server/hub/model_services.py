@@ -2,10 +2,11 @@
 
 import logging
 from contextlib import contextmanager
-from typing import Any, Callable, Dict, Iterable, Iterator, List, TypeVar
+from typing import Any, Callable, Dict, Iterator, List, Optional, TypeVar
 
 from flatland_server.exceptions import FlatlandError, ModelError, shortened
 from flatland_server.geometry import Pose
+from flatland_server.hub.client_edits import Edit
 from flatland_server.hub.client_files import EntryError
 from flatland_server.hub.hub import Hub
 from flatland_server.messages.message_types import get
@@ -25,6 +26,8 @@ _NOT_REGISTERED = "spawned; its topics can be used when the ROS master answers"
 class ModelServices:
     """Offers the services that spawn, delete, move and show models, and obeys `move_model`.
 
+    These edits are undone by /undo, and redone by /redo.
+
     A model within a wall or another model is spawned all the same: `success` is true, and
     `message` is a warning; otherwise `message` is empty.
 
@@ -37,6 +40,7 @@ class ModelServices:
         self._edits = hub.edits
         self._transport = hub.transport
         self._files = hub.files
+        self._streamed: Optional[Edit] = None  # by messages
         actions = {
             "spawn_model": ("SpawnModel", self._spawn_model),
             "spawn_model_from_string": ("SpawnModel", self._spawn_from_string),
@@ -49,17 +53,15 @@ class ModelServices:
         }
         for name, (kind, action) in actions.items():
             hub.offer(name, f"flatland_msgs/{kind}", action)
-        hub.obey(
-            "move_model",
-            "flatland_msgs/MoveModelMsg",
-            lambda message: self._move(message.name, _to_pose(message.pose)),
-        )
+        hub.offer("undo", "std_srvs/Trigger", lambda _: self._revert("Undone", self._edits.undo))
+        hub.offer("redo", "std_srvs/Trigger", lambda _: self._revert("Redone", self._edits.redo))
+        hub.obey("move_model", "flatland_msgs/MoveModelMsg", self._obey_move)
 
     def _spawn_model(self, request: Any) -> Dict[str, Any]:
-        return {"message": self._spawn(lambda: self._read(request, self._file), self._add)}
+        return {"message": self._spawn(lambda: self._read(request, self._file), self._add_one)}
 
     def _spawn_from_string(self, request: Any) -> Dict[str, Any]:
-        return {"message": self._spawn(lambda: self._read(request, _text), self._add)}
+        return {"message": self._spawn(lambda: self._read(request, _text), self._add_one)}
 
     def _spawn_models(self, request: Any) -> Dict[str, Any]:
         return {"message": self._spawn(lambda: self._read_all(request, self._file), self._add_all)}
@@ -104,25 +106,28 @@ class ModelServices:
 
     def _add(self, entry: ModelEntry) -> str:
         """Adds a model; returns a warning, or an empty string."""
-        model = self._world.add_model(entry)
-        self._edits.note_spawn(entry)
-        return self._world.overlap_warning(model)
+        return self._world.overlap_warning(self._edits.spawn(entry))
+
+    def _add_one(self, entry: ModelEntry) -> str:
+        with self._edits.edit([entry.name]):
+            return self._add(entry)
 
     def _add_all(self, entries: List[ModelEntry]) -> str:
         """Adds models: all, or none; returns their warnings, or an empty string."""
         before = set(self._world.models)
         warnings = []
         try:
-            for index, entry in enumerate(entries):
-                with _naming_entry("models", index, entry.name):
-                    warnings.append(self._add(entry))
+            with self._edits.edit([entry.name for entry in entries]):
+                for index, entry in enumerate(entries):
+                    with _naming_entry("models", index, entry.name):
+                        warnings.append(self._add(entry))
         except BaseException:
-            self._remove([name for name in self._world.models if name not in before])
+            self._edits.discard([name for name in self._world.models if name not in before])
             raise
         return "; ".join(filter(None, warnings))
 
     def _delete_model(self, request: Any) -> None:
-        self._transport.call(lambda: self._remove([self._world.get_model(request.name).name]))
+        self._transport.call(lambda: self._edits.delete([self._world.get_model(request.name).name]))
         self._transport.wait_until_registered()
 
     def _delete_models(self, request: Any) -> None:
@@ -132,25 +137,30 @@ class ModelServices:
                     self._world.get_model(name)
                     if name in request.name[:index]:
                         raise ModelError("the name is given twice")
-            self._remove(request.name)
+            self._edits.delete(request.name)
 
         self._transport.call(delete)
         self._transport.wait_until_registered()
 
-    def _remove(self, names: Iterable[str]) -> None:
-        """Deletes models, unless plugins of one have deleted another."""
-        for name in names:
-            if name in self._world.models:
-                self._world.delete_model(name)
-                self._edits.note_deletion(name)
-
     def _move_model(self, request: Any) -> None:
         pose = _to_pose(request.pose)
-        self._transport.call(lambda: self._move(request.name, pose))
+        self._transport.call(lambda: self._edits.move(request.name, pose))
 
-    def _move(self, name: str, pose: Pose) -> None:
-        self._world.move_model(name, pose)
-        self._edits.note_move(name, pose)
+    def _obey_move(self, message: Any) -> None:
+        """Moves a model; as one edit with the message before, if that was for the same model."""
+        edit = self._streamed
+        if edit is not None and message.name not in edit.before:
+            edit = None
+        self._streamed = self._edits.move(message.name, _to_pose(message.pose), edit)
+
+    def _revert(self, done: str, action: Callable[[], str]) -> Dict[str, Any]:
+        def revert() -> str:
+            with self._transport.registration():
+                return action()
+
+        text = self._transport.call(revert)
+        self._transport.wait_until_registered()
+        return {"message": f"{done}: {text}"}
 
     def _get_markers(self, request: Any) -> Dict[str, Any]:
         markers = preview(self._world.read_model(self._files.model_file(request.yaml_path)))

@@ -67,7 +67,7 @@ class RecentLog(logging.Handler):
                 del self._entries[next(iter(self._entries))]
             self._has_changed = True
 
-    def start(self, manager: SimulationManager) -> None:
+    def open(self, manager: SimulationManager) -> None:
         """Opens the topic.
 
         Args:
@@ -77,9 +77,8 @@ class RecentLog(logging.Handler):
         self._publisher = manager.transport.advertise(
             f"{manager.transport.node_name}/recent_log", RecentLogMsg, latch=True, queue_size=1
         )
-        manager.on_tick.append(self._update)
 
-    def _update(self) -> None:
+    def update(self) -> None:
         """Publishes entries that have changed, at a limited rate."""
         if not self._timer.check_update():
             return

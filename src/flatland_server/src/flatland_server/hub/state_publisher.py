@@ -12,7 +12,7 @@ from flatland_server.simulation.simulation_manager import SimulationManager
 SimulationState = get("flatland_msgs/SimulationState")
 
 _PERIOD = 0.2
-"""Seconds of real time between two messages; a change by a user is published at once."""
+"""Seconds of real time between two messages; a change by a client is published at once."""
 
 
 class StatePublisher:
@@ -31,12 +31,12 @@ class StatePublisher:
             f"{transport.node_name}/state", SimulationState, latch=True, queue_size=1
         )
         self._due = 0.0
-        self._published = (False, 0.0)
+        self._published = (False, 0.0, 0)
 
     def update(self) -> None:
         """Publishes if it is time to; to be called often."""
         manager = self._manager
-        requested = (not manager.is_stepping, manager.rate)
+        requested = (not manager.is_stepping, manager.rate, self._edits.revision)
         now = time.monotonic()
         if now < self._due and requested == self._published:
             return
@@ -44,7 +44,7 @@ class StatePublisher:
         self._published = requested
         now_simulated = manager.timekeeper.nanoseconds
         begin, end = manager.history.span if manager.history else (now_simulated, now_simulated)
-        paused, rate = requested
+        paused, rate, _ = requested
         state = SimulationState(
             TYPES.Time(0, now_simulated),
             paused,
@@ -53,5 +53,6 @@ class StatePublisher:
             TYPES.Time(0, begin),
             TYPES.Time(0, end),
             self._edits.count,
+            *self._edits.next_texts,
         )
         self._publisher.publish(state)

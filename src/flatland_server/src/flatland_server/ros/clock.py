@@ -1,15 +1,16 @@
-"""/clock: simulated time for other nodes, and for this process."""
+"""/clock over ROS: simulated time for other nodes, and for this process."""
 
 import struct
 from typing import List
 
 import rospy
-from rosgraph_msgs.msg import Clock
+from rosgraph_msgs.msg import Clock as ClockMessage
 
 from flatland_server.exceptions import listed
-from flatland_server.ros.ros_transport import SubscriberCounter
 from flatland_server.ros.rospy_patches import RospyCalls
+from flatland_server.ros.subscriber_counter import SubscriberCounter
 from flatland_server.timekeeper import Timekeeper
+from flatland_server.transport.clock import Clock
 
 _TICK_SIZE = 8  # bytes: seconds, nanoseconds
 
@@ -38,7 +39,7 @@ def warn_of_other_times() -> None:
         )
 
 
-class ClockPublisher:
+class ClockPublisher(Clock):
     """Publishes /clock. The ROS node must be initialised.
 
     Sending a tick can take longer than simulating a step. So ticks are collected and sent together,
@@ -53,9 +54,8 @@ class ClockPublisher:
         self._timekeeper = timekeeper
         self._send_framed = rospy_calls.send_framed
         self._subscribers = SubscriberCounter()
-        self._served_revision = self._subscribers.revision
         self._publisher = rospy.Publisher(
-            "/clock", Clock, self._subscribers, queue_size=100, tcp_nodelay=True
+            "/clock", ClockMessage, self._subscribers, queue_size=100, tcp_nodelay=True
         )
         self._numbers: List[int] = []  # of each tick: size, seconds, nanoseconds
         self._local_time = rospy_calls.take_over_time()
@@ -63,8 +63,11 @@ class ClockPublisher:
         self.tick()
         self.flush()
 
+    @property
+    def _revision(self) -> object:
+        return self._subscribers.revision
+
     def tick(self) -> None:
-        """Adds a tick with the current time. To be called after each step."""
         seconds, nanoseconds = divmod(self._timekeeper.nanoseconds, 1_000_000_000)
         numbers = self._numbers
         numbers += (_TICK_SIZE, seconds, nanoseconds)
@@ -76,23 +79,13 @@ class ClockPublisher:
     def flush(self) -> None:
         """Sends the collected ticks, and wakes the threads of this process that wait for a time.
 
-        To be called often, and before anything else is sent: no stamp may precede its /clock tick.
+        Also to be called before anything else is sent: no stamp may precede its /clock tick.
         """
         numbers = self._numbers
         if not numbers:
             return
-        self._served_revision = self._subscribers.revision
+        super().flush()
         self._send_framed(self._publisher, struct.pack(f"<{len(numbers)}I", *numbers))
         numbers.clear()
         if self._local_time is not None:
             self._local_time.notify()
-
-    def repeat_for_new_subscribers(self) -> None:
-        """Sends the current time again if subscribers have come. To be called during a pause.
-
-        A node that starts then would have no time until the next step: `rospy.sleep` and lookups of
-        transforms would wait, and `rosbag record` would miss the messages of that step.
-        """
-        if self._served_revision != self._subscribers.revision:
-            self.tick()
-            self.flush()

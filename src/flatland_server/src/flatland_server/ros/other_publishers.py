@@ -23,7 +23,7 @@ _PERIOD = 5.0
 class OtherPublishers:
     """Looks for other publishers in a thread of its own, until the node ends.
 
-    Transforms are left out: they have several publishers.
+    Transforms and /diagnostics are left out: they have several publishers.
 
     Args:
         counts: the number of publishers that plugins have of each topic.
@@ -73,7 +73,8 @@ class OtherPublishers:
     def _others(self, publishers: List[Any]) -> Set[Tuple[str, str]]:
         me = rospy.get_name()
         counts = list(self._counts.items())
-        mine = {topic for topic, count in counts if count > 0 and not topic.endswith("/tf")}
+        shared = ("/tf", "/diagnostics")
+        mine = {topic for topic, count in counts if count > 0 and not topic.endswith(shared)}
         return {(t, node) for t, nodes in publishers if t in mine for node in nodes if node != me}
 
 

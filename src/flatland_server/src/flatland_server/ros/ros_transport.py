@@ -4,7 +4,6 @@ rospy calls back on threads of its own. Here a callback is only queued; it runs 
 thread when that calls `process`, so that a plugin never sees a half-stepped world or needs a lock.
 """
 
-import itertools
 import logging
 import threading
 import time
@@ -18,7 +17,10 @@ from tf2_msgs.msg import TFMessage
 from flatland_server._core import BodyMessage, StepMessage
 from flatland_server.geometry import Transform
 from flatland_server.ros import raw_messages
+from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.rospy_patches import RospyCalls
+from flatland_server.ros.subscriber_counter import SubscriberCounter
+from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.arrivals import Arrival
 from flatland_server.transport.message_writer import MessageWriter
 from flatland_server.transport.node import Frames, Publisher, Subscription
@@ -160,6 +162,11 @@ class RosTransport(ServedTransport):
     def end_error(self) -> Exception:
         return rospy.ServiceException("the simulation is shutting down")
 
+    def open_clock(self, timekeeper: Timekeeper) -> ClockPublisher:
+        clock = ClockPublisher(timekeeper, self.rospy_calls)
+        self.before_sending = clock.flush
+        return clock
+
     def registration(self) -> ContextManager[None]:
         return self.rospy_calls.batch_registration()
 
@@ -201,20 +208,6 @@ class RosTransport(ServedTransport):
                 self._waiting.popleft()()
             except Exception:
                 logger.exception("a callback failed")
-
-
-class SubscriberCounter(rospy.SubscribeListener):  # type: ignore[misc]
-    """Counts how often subscribers have connected or disconnected. ROS's threads call it."""
-
-    def __init__(self) -> None:
-        self._counter = itertools.count(1)
-        self.revision = 0
-
-    def peer_subscribe(self, *_: Any) -> None:
-        self.revision = next(self._counter)
-
-    def peer_unsubscribe(self, *_: Any) -> None:
-        self.revision = next(self._counter)
 
 
 class _RosPublisher(Publisher):

@@ -15,9 +15,7 @@ from flatland_server.hub.assembly import open_hub
 from flatland_server.hub.client_files import ClientFiles
 from flatland_server.hub.recent_log import RecentLog
 from flatland_server.ros import open_files, other_publishers, rospy_patches
-from flatland_server.ros.clock import ClockPublisher, warn_of_other_times
-from flatland_server.ros.diagnostics import Diagnostics
-from flatland_server.ros.interactive_marker_manager import InteractiveMarkerManager
+from flatland_server.ros.clock import warn_of_other_times
 from flatland_server.ros.launch_arguments import check_launch_arguments, parent_command_line
 from flatland_server.ros.loading_publisher import LoadingPublisher
 from flatland_server.ros.log_handler import RosLogHandler, tolerate_write_errors
@@ -99,8 +97,7 @@ def _run(config: ServerConfig, simulate: Simulate, log: RecentLog) -> None:
         manager = SimulationManager(
             world, timekeeper, config.update_rate, command_age=config.command_age
         )
-        localisers = _open_topics(manager, transport, config)
-        log.start(manager)
+        localisers = _open_hub(manager, config, log)
     exclude_from_garbage_collection()
     if transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT):
         if not config.wall_clock_stamps:
@@ -122,24 +119,18 @@ def _run(config: ServerConfig, simulate: Simulate, log: RecentLog) -> None:
         shutdown.finish()
 
 
-def _open_topics(
-    manager: SimulationManager, transport: RosTransport, config: ServerConfig
+def _open_hub(
+    manager: SimulationManager, config: ServerConfig, log: RecentLog
 ) -> Optional[OtherLocalisers]:
     """Opens the topics and services other than those of plugins.
 
     Returns:
         The watch for other localisers, if the server sends map -> odom.
     """
-    if not config.wall_clock_stamps:
-        clock = ClockPublisher(manager.timekeeper, transport.rospy_calls)
-        manager.after_step.append(clock.tick)
-        manager.on_tick.append(clock.flush)
-        manager.on_tick.append(lambda: manager.is_stepping or clock.repeat_for_new_subscribers())
-        manager.after_jump += [clock.tick, clock.flush]
-        transport.before_sending = clock.flush
     hub = open_hub(
         manager,
         ClientFiles(manager.world, config.state_folder),
+        log=log,
         view_rate=config.viz_pub_rate if config.show_viz else None,
         for_rviz=True,
         map_to_odom=config.map_to_odom,
@@ -147,10 +138,6 @@ def _open_topics(
         control_period=config.control_period,
         train_mode=config.train_mode,
     )
-    if config.show_viz:
-        handles = InteractiveMarkerManager(hub, transport, config.viz_pub_rate)
-        manager.on_tick.append(handles.update)
-    manager.on_tick.append(Diagnostics(manager).update)
     if config.realtime_priority:
         manager.on_tick.append(ThreadPriority().update)
     manager.on_tick.append(SlowPluginWatch().update)

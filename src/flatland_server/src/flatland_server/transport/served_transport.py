@@ -5,6 +5,8 @@ from concurrent.futures import Future, wait
 from contextlib import nullcontext
 from typing import Callable, ContextManager, TypeVar
 
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.transport.clock import Clock
 from flatland_server.transport.transport import Publisher, Transport
 
 T = TypeVar("T")
@@ -34,6 +36,14 @@ class ServedTransport(Transport):
     @abstractmethod
     def end_error(self) -> Exception:
         """The error of a call that the end of the simulation leaves without a result."""
+
+    def open_clock(self, timekeeper: Timekeeper) -> Clock:
+        """Opens /clock.
+
+        Args:
+            timekeeper: has the simulated time.
+        """
+        return Clock(self, timekeeper)
 
     def call(self, function: Callable[[], T]) -> T:
         """Runs a function on the simulation's thread, between steps, and returns its result.

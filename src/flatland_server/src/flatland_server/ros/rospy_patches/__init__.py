@@ -1,6 +1,6 @@
 """Faster paths through rospy than its public interface offers, each behind a check.
 
-Everything in flatland_server that reaches into rospy or interactive_markers lies in this package.
+Everything in flatland_server that reaches into rospy lies in this package.
 It is written for rospy 1.15 to 1.17 (ROS Noetic). `install` checks, for each patch, that the
 attributes and signatures it relies on exist. A patch that fails this check is left out: the server
 then does the same through rospy's public interface, at a cost that is logged.
@@ -26,7 +26,6 @@ PATCHES: Dict[str, str] = {
     "local_time": "this process receives its own /clock through a socket",
     "believed_lengths": "a message of a type with arrays of empty items may stop the process",
     "latched_topics": "the markers of models are not latched",
-    "marker_server": "a thread wakes at every step; in a pause only one client can drag a model",
 }
 """The modules of the patches, each with what it costs to do without it.
 

@@ -4,10 +4,9 @@ import struct
 from abc import ABC, abstractmethod
 from contextlib import nullcontext
 from dataclasses import dataclass
-from typing import Any, Callable, ContextManager, Optional, Type
+from typing import Any, Callable, ContextManager, Optional
 
 import rospy
-from interactive_markers.interactive_marker_server import InteractiveMarkerServer
 
 from flatland_server._core import BodyMessage, StepMessage
 
@@ -25,20 +24,6 @@ class LocalTime(ABC):
     @abstractmethod
     def notify(self) -> None:
         """Wakes the threads of this process that wait for a time."""
-
-
-class MarkerServer(InteractiveMarkerServer):  # type: ignore[misc]
-    """The server of interactive_markers: a thread of its own sends keep-alive messages."""
-
-    def keep_alive(self) -> None:
-        """Sends a keep-alive message, unless the library does so itself."""
-
-    def allow_drag(self, name: str) -> None:
-        """Lets any client drag a marker at once.
-
-        The library reserves a marker for a second of simulated time, which in a pause never ends,
-        to the client that dragged it last.
-        """
 
 
 def is_connected(publisher: rospy.Publisher) -> bool:
@@ -123,7 +108,6 @@ class RospyCalls:
             this long [s]; returns whether it does.
         take_over_time: returns the object that sets this process's time, from then on instead of
             rospy's own subscription to /clock; None if time is not simulated, or is left to rospy.
-        marker_server: the class that serves interactive markers.
         forget_latched: makes a latched topic forget its last message, so that later subscribers do
             not get it. None: rospy cannot; a topic that needs it is not latched.
     """
@@ -135,5 +119,4 @@ class RospyCalls:
     batch_registration: Callable[[], ContextManager[None]] = nullcontext
     wait_until_registered: Callable[[float], bool] = lambda limit: True
     take_over_time: Callable[[], Optional[LocalTime]] = lambda: None
-    marker_server: Type[MarkerServer] = MarkerServer
     forget_latched: Optional[Callable[[rospy.Publisher], None]] = None

@@ -1,27 +1,28 @@
 """Interactive markers: models that are dragged, turned and deleted by mouse, in rviz."""
 
+import logging
 import math
 import time
-from typing import Dict, List, NamedTuple, Tuple
-
-import rospy
-from visualization_msgs.msg import (
-    InteractiveMarker,
-    InteractiveMarkerControl,
-    InteractiveMarkerFeedback,
-    Marker,
-    MenuEntry,
-)
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
+from flatland_server.hub.client_edits import Edit
 from flatland_server.hub.hub import Hub
 from flatland_server.hub.map_to_odom import FRAME_ID
+from flatland_server.hub.marker_server import Feedback, MarkerServer
 from flatland_server.messages import fill_pose, yaw_of
+from flatland_server.messages.message_types import get
 from flatland_server.messages.model_markers import preview
 from flatland_server.models.model import Model
 from flatland_server.real_time_timer import RealTimeTimer
-from flatland_server.ros.ros_transport import RosTransport
+
+InteractiveMarker = get("visualization_msgs/InteractiveMarker")
+InteractiveMarkerControl = get("visualization_msgs/InteractiveMarkerControl")
+Marker = get("visualization_msgs/Marker")
+MenuEntry = get("visualization_msgs/MenuEntry")
+
+logger = logging.getLogger(__name__)
 
 _DELETE = 1
 _HANDLE_Z = 0.05
@@ -30,13 +31,8 @@ _HANDLE_Z = 0.05
 _DRAG_TIMEOUT = 3.0
 """Real seconds without feedback after which a drag ends: rviz sends it every 0.25 s."""
 
-_WARNING_PERIOD = 3.0  # s of ROS time, per drag that leaves the world
-
-_KEEP_ALIVE_PERIOD = rospy.Duration(0.5)
-"""In ROS time, simulated or not, which rviz uses to time out servers."""
-
-_REAL_KEEP_ALIVE_PERIOD = 1.0
-"""The same in real seconds, for pauses: a new subscriber shows nothing before the first message."""
+_KEEP_ALIVE_PERIOD = 0.5
+"""Seconds of simulated time, or of real time if that is less: rviz goes by either."""
 
 
 class _Handle(NamedTuple):
@@ -50,6 +46,23 @@ class _Handle(NamedTuple):
     """The pose of its base, at the last update."""
 
 
+class _Drag:
+    """A model that is being dragged.
+
+    Attributes:
+        client: drags it; others do not meanwhile.
+        updated: real time of the last feedback [s].
+        edit: all of the drag so far.
+        has_failed: whether the model was to leave the world.
+    """
+
+    def __init__(self, client: str) -> None:
+        self.client = client
+        self.updated = 0.0
+        self.edit: Optional[Edit] = None
+        self.has_failed = False
+
+
 class InteractiveMarkerManager:
     """Offers an interactive marker for each model at `interactive_model_markers`.
 
@@ -57,21 +70,18 @@ class InteractiveMarkerManager:
 
     Args:
         hub: has the models, and is told of changes.
-        transport: hands feedback over to the simulation's thread.
         rate: how often markers follow their models [Hz of real time], while there are subscribers.
     """
 
-    def __init__(self, hub: Hub, transport: RosTransport, rate: float) -> None:
+    def __init__(self, hub: Hub, rate: float) -> None:
         self._edits = hub.edits
         self._manager = hub.manager
         self._world = hub.world
-        self._transport = transport
         self._timer = RealTimeTimer(1.0 / rate)
-        self._server = transport.rospy_calls.marker_server("interactive_model_markers")
-        self._keep_alive_due = rospy.Time()
-        self._keep_alive_timer = RealTimeTimer(_REAL_KEEP_ALIVE_PERIOD)
+        self._server = MarkerServer(hub.transport, "interactive_model_markers", self._on_feedback)
+        self._alive = (0.0, 0.0)  # simulated and real time of the last message
         self._shown: Dict[str, _Handle] = {}
-        self._drags: Dict[str, float] = {}  # real time of the last feedback, by model
+        self._drags: Dict[str, _Drag] = {}  # by model
 
     def update(self) -> None:
         """Updates the markers if it is time to; to be called often."""
@@ -79,22 +89,18 @@ class InteractiveMarkerManager:
         if not self._timer.check_update():
             return
         oldest = time.monotonic() - _DRAG_TIMEOUT
-        for name in [name for name, updated in self._drags.items() if updated < oldest]:
+        for name in [name for name, drag in self._drags.items() if drag.updated < oldest]:
             self._end_drag(name)
         gone, new = self._follow_models()
-        has_moved = self._server.update_pub.get_num_connections() > 0 and self._follow_poses()
+        has_moved = self._server.has_subscribers and self._follow_poses()
         if gone or new or has_moved:
-            self._server.applyChanges()
-            for name in new:
-                self._server.allow_drag(name)
+            self._server.send()
 
     def _keep_alive(self) -> None:
-        now = rospy.get_rostime()
-        has_jumped_back = now + _KEEP_ALIVE_PERIOD < self._keep_alive_due
-        is_due = now >= self._keep_alive_due or has_jumped_back
-        is_due |= not self._manager.is_stepping and self._keep_alive_timer.check_update()
-        if is_due and self._server.update_pub.get_num_connections() > 0:
-            self._keep_alive_due = now + _KEEP_ALIVE_PERIOD
+        now = self._manager.timekeeper.seconds, time.monotonic()
+        passed = max(abs(time - before) for time, before in zip(now, self._alive))
+        if passed >= _KEEP_ALIVE_PERIOD and self._server.has_subscribers:
+            self._alive = now
             self._server.keep_alive()
 
     def _follow_models(self) -> Tuple[List[str], List[str]]:
@@ -112,10 +118,7 @@ class InteractiveMarkerManager:
             centre, radius = _circle_around(model)
             pose = model.base.physics_body.pose
             self._shown[name] = _Handle(model, model.footprint_revision, centre, pose)
-            self._server.insert(
-                _interactive_marker(model, centre, radius),
-                lambda feedback: self._transport.post(lambda: self._on_feedback(feedback)),
-            )
+            self._server.insert(_interactive_marker(model, centre, radius))
         return gone, new
 
     def _is_outdated(self, name: str) -> bool:
@@ -135,51 +138,49 @@ class InteractiveMarkerManager:
             if pose != shown.pose and name not in self._drags:
                 self._shown[name] = shown._replace(pose=pose)
                 place = shown.model.pose.compose(shown.centre)
-                has_moved |= self._server.setPose(name, _pose_message(place))
+                self._server.move(name, _pose_message(place))
+                has_moved = True
         return has_moved
 
-    def _on_feedback(self, feedback: InteractiveMarkerFeedback) -> None:
+    def _on_feedback(self, feedback: Any) -> None:
         name, event = feedback.marker_name, feedback.event_type
-        if name not in self._world.models:
+        shown, drag = self._shown.get(name), self._drags.get(name)
+        if shown is None or self._world.models.get(name) is not shown.model:
             return
-        if event == InteractiveMarkerFeedback.MENU_SELECT:
+        if drag is not None and drag.client != feedback.client_id:
+            return
+        if event == Feedback.MENU_SELECT:
             if feedback.menu_entry_id == _DELETE:
-                self._world.delete_model(name)
-                self._edits.note_deletion(name)
+                self._edits.delete([name])
             return
-        if event == InteractiveMarkerFeedback.MOUSE_DOWN:
-            self._begin_drag(name)
-        elif event == InteractiveMarkerFeedback.MOUSE_UP:
-            self._move(name, feedback)
-            self._end_drag(name)
-        elif event == InteractiveMarkerFeedback.POSE_UPDATE:
-            self._begin_drag(name)
-            self._move(name, feedback)
-        elif name in self._drags:
-            self._drags[name] = time.monotonic()
+        if event in (Feedback.MOUSE_DOWN, Feedback.POSE_UPDATE, Feedback.MOUSE_UP):
+            self._manager.is_held = True
+            drag = self._drags.setdefault(name, _Drag(feedback.client_id))
+            if event != Feedback.MOUSE_DOWN:
+                self._move(name, feedback, drag)
+            if event == Feedback.MOUSE_UP:
+                self._end_drag(name)
+        if drag is not None:
+            drag.updated = time.monotonic()
 
-    def _move(self, name: str, feedback: InteractiveMarkerFeedback) -> None:
-        centre = self._shown[name].centre if name in self._shown else Pose(0.0, 0.0, 0.0)
+    def _move(self, name: str, feedback: Any, drag: _Drag) -> None:
+        centre = self._shown[name].centre
         position, yaw = feedback.pose.position, yaw_of(feedback.pose.orientation)
         pose = Pose(position.x, position.y, yaw).compose(centre.inverse())
         try:
-            self._world.move_model(name, pose)
-            self._edits.note_move(name, pose)
+            drag.edit = self._edits.move(name, pose, drag.edit)
         except FlatlandError as error:  # outside the limits of the world: the model stays
-            rospy.logwarn_throttle(_WARNING_PERIOD, f'"{name}" is not moved: {error}')
-
-    def _begin_drag(self, name: str) -> None:
-        self._manager.is_held = True
-        self._drags[name] = time.monotonic()
+            if not drag.has_failed:
+                drag.has_failed = True
+                logger.warning('"%s" is not moved: %s', name, error)
 
     def _end_drag(self, name: str) -> None:
         if self._drags.pop(name, None) is None:
             return
-        self._server.allow_drag(name)
         self._manager.is_held = bool(self._drags)
 
 
-def _pose_message(pose: Pose) -> object:
+def _pose_message(pose: Pose) -> Any:
     message = InteractiveMarker().pose
     fill_pose(message, pose)
     return message
@@ -206,7 +207,7 @@ def _circle_around(model: Model) -> Tuple[Pose, float]:
     return Pose(x, y, 0.0), max(math.dist((x, y), point) for point in points)
 
 
-def _interactive_marker(model: Model, centre: Pose, radius: float) -> InteractiveMarker:
+def _interactive_marker(model: Model, centre: Pose, radius: float) -> Any:
     """The marker of a model: its footprints to drag it, and a ring to turn it.
 
     Args:
@@ -239,7 +240,7 @@ def _interactive_marker(model: Model, centre: Pose, radius: float) -> Interactiv
     return marker
 
 
-def _disc(radius: float) -> Marker:
+def _disc(radius: float) -> Any:
     marker = Marker(type=Marker.CYLINDER)
     marker.pose.orientation.w = 1.0
     marker.scale.x = marker.scale.y = 2.0 * radius

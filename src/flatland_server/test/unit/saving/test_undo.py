@@ -1,0 +1,161 @@
+"""The services /undo and /redo: edits of all clients, one for each action."""
+
+import math
+from types import SimpleNamespace
+
+import pytest
+from edited_world import Server
+
+from flatland_server.exceptions import FlatlandError
+from flatland_server.geometry import Pose
+
+WORLD = """\
+properties: {}
+layers: []
+models:
+- {name: a, model: box.yaml, pose: [2, 2.5, 0]}
+- {name: b, model: box.yaml}
+"""
+
+
+@pytest.fixture
+def server(files):
+    return Server(files, WORLD)
+
+
+def revert(server, service):
+    return server.call(service)["message"]
+
+
+def test_moves_spawns_and_deletions_are_undone_and_redone_in_their_order(server):
+    poses = [server.poses()]
+    for edit in (
+        lambda: server.move("a", 0.0, 1.0, 0.5),
+        lambda: server.spawn("c", 3.0, 3.0),
+        lambda: server.delete("b"),
+        lambda: server.delete("c"),
+    ):
+        edit()
+        poses.append(server.poses())
+    texts = ["Move a", "Spawn c", "Delete b", "Delete c"]
+
+    for text, expected in zip(texts[::-1], poses[-2::-1]):
+        assert server.edits.next_texts[0] == text
+        assert revert(server, "undo") == f"Undone: {text}"
+        assert server.poses() == expected
+    with pytest.raises(FlatlandError, match="nothing to undo"):
+        revert(server, "undo")
+    assert server.edits.count == 0
+
+    for text, expected in zip(texts, poses[1:]):
+        assert server.edits.next_texts[1] == text
+        assert revert(server, "redo") == f"Redone: {text}"
+        assert server.poses() == expected
+    with pytest.raises(FlatlandError, match="nothing to redo"):
+        revert(server, "redo")
+
+
+def test_several_models_are_one_edit(server):
+    pose = SimpleNamespace(x=1.0, y=1.0, theta=0.0)
+    models = [
+        SimpleNamespace(yaml_path="box.yaml", name=name, ns="", pose=pose) for name in ("c", "d")
+    ]
+    server.call("spawn_models", models=models)
+    assert revert(server, "undo") == "Undone: Spawn 2 models"
+    assert list(server.world.models) == ["a", "b"]
+
+    server.call("delete_models", name=["a", "b"])
+    revert(server, "undo")
+    assert list(server.world.models) == ["a", "b"]
+
+
+def test_a_spawn_of_several_that_fails_is_no_edit(server):
+    pose = SimpleNamespace(x=1.0, y=1.0, theta=0.0)
+    models = [
+        SimpleNamespace(yaml_path="box.yaml", name=name, ns="", pose=pose) for name in ("c", "c")
+    ]
+    with pytest.raises(FlatlandError, match="already"):
+        server.call("spawn_models", models=models)
+    assert list(server.world.models) == ["a", "b"]
+    assert server.edits.next_texts == ("", "")
+
+
+def test_a_model_comes_back_with_its_namespace_to_where_it_was(server):
+    server.spawn("r", 1.0, 1.0, ns="~r1")
+    server.world.models["r"].move(Pose(4.0, 4.0, 1.0))  # it has driven
+    server.delete("r")
+    revert(server, "undo")
+
+    assert server.poses()["r"] == Pose(4.0, 4.0, 1.0)
+    assert server.world.models["r"].namespace == "r1"
+    assert [entry.pose for entry in server.edits.changes.added] == [Pose(1.0, 1.0, 0.0)]
+
+
+def test_a_drag_is_one_edit_and_none_if_it_ends_where_it_began(server):
+    drag = None
+    for x in (2.125, 2.25, 2.5):
+        drag = server.edits.move("a", Pose(x, 2.5, 0.0), drag)
+    another = server.edits.move("a", Pose(3.0, 2.5, 0.0))
+    assert another is not drag
+    revert(server, "undo")
+    assert server.poses()["a"] == Pose(2.5, 2.5, 0.0)
+    revert(server, "undo")
+    assert server.poses()["a"] == Pose(2.0, 2.5, 0.0)
+    assert server.edits.count == 0
+
+    drag = server.edits.move("a", Pose(5.0, 5.0, 0.0))
+    server.edits.move("a", Pose(2.0, 2.5, 1e-9), drag)
+    assert server.edits.next_texts[0] == ""
+
+
+def test_messages_for_one_model_in_a_row_are_one_edit(server):
+    transport = server.manager.transport
+    for name, x in (("a", 3.0), ("a", 4.0), ("b", 1.0), ("a", 5.0)):
+        pose = SimpleNamespace(x=x, y=0.0, theta=0.0)
+        transport.send("/move_model", SimpleNamespace(name=name, pose=pose))
+        transport.process()
+
+    texts = [revert(server, "undo") for _ in range(3)]
+    assert texts == ["Undone: Move a", "Undone: Move b", "Undone: Move a"]
+    assert server.poses()["a"] == Pose(2.0, 2.5, 0.0)
+    assert server.edits.next_texts[0] == ""
+
+
+def test_a_new_edit_leaves_nothing_to_redo(server):
+    server.move("a", 0.0, 0.0)
+    revert(server, "undo")
+    server.move("b", 1.0, 0.0)
+    assert server.edits.next_texts == ("Move b", "")
+
+
+def test_a_reset_world_has_nothing_to_undo(server):
+    server.move("a", 0.0, 0.0)
+    server.reset()
+    assert server.edits.next_texts == ("", "")
+    with pytest.raises(FlatlandError, match="nothing to undo"):
+        revert(server, "undo")
+
+
+def test_an_edit_of_a_model_that_is_gone_is_dropped(server):
+    server.move("b", 1.0, 0.0)
+    server.move("a", 0.0, 0.0)
+    server.world.delete_model("a")  # by a plugin
+    with pytest.raises(FlatlandError, match='no model named "a"'):
+        revert(server, "undo")
+    assert server.edits.next_texts == ("Move b", "")
+
+
+def tick(server):
+    for action in server.manager.on_tick:
+        action()
+
+
+def test_the_state_names_the_next_edits(server):
+    server.move("a", 0.0, 0.0, math.pi)
+    tick(server)
+    state = server.manager.transport.last("/flatland_server/state")
+    assert (state.undo, state.redo, state.edits) == ("Move a", "", 1)
+    revert(server, "undo")
+    tick(server)
+    state = server.manager.transport.last("/flatland_server/state")
+    assert (state.undo, state.redo, state.edits) == ("", "Move a", 0)
