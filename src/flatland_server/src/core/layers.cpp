@@ -57,9 +57,9 @@ Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits b
   record.is_layer = true;
   record.layer = static_cast<uint32_t>(all_.size());
   record.may_move = false;
-  all_.push_back({VisibleWalls::Share(std::move(walls), progress), bits});
+  all_.push_back({SegmentTree::Share(std::move(walls), progress), bits});
   const Bodies::Body handle = bodies_.Add(std::move(record));
-  nearby_.push_back(std::make_unique<NearbyWalls>(all_.back().walls->shared(), bits, handle.index));
+  nearby_.push_back(std::make_unique<NearbyWalls>(all_.back().walls, bits, handle.index));
   bodies_.ForEach([](auto, BodyRecord& each) { each.nearby.is_current = false; });
   return handle;
 }

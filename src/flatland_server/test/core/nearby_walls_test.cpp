@@ -286,8 +286,7 @@ TEST(NearbyWalls, AStepIsThatOfAWorldThatHoldsAllWalls) {
 TEST(NearbyWalls, ScansAreTheSame) {
   const std::vector<Segment> walls = RandomWalls(400, 2.0);
   size_t reported = 0;
-  const SegmentTree large(
-      walls, [&](size_t done) { reported = done; }, 0);
+  const SegmentTree large(walls, [&](size_t done) { reported = done; });
   const SegmentTree ordinary(walls);
   EXPECT_EQ(reported, walls.size());
   const BeamFan fan(-M_PI, 2 * M_PI / 360, 360);
