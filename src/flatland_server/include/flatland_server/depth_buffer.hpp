@@ -30,6 +30,8 @@ struct BoundingCircles {
 };
 
 class Horizon;
+struct LidarView;
+struct SearchLists;
 
 class DepthBuffer {
  public:
@@ -42,6 +44,8 @@ class DepthBuffer {
   /// Draws all walls, as seen by a lidar at this pose in their frame. It takes least time with what
   /// this lidar has seen last, which is replaced; null if that is not known.
   void Draw(const SegmentTree& walls, const Pose& lidar, SeenWalls* seen = nullptr);
+  /// Draws those walls alone that have these indices (VisibleWalls).
+  void Draw(const SegmentTree& walls, const std::vector<uint32_t>& only, const Pose& lidar);
 
   /// Indices of the circles in range that what is drawn so far does not hide. Valid until the next
   /// call.
@@ -63,6 +67,8 @@ class DepthBuffer {
   void GetIntensities(float* intensities) const;
 
  private:
+  LidarView ViewFrom(const Pose& lidar);
+
   const BeamFan* fan_ = nullptr;
   double range_ = 0.0;        // [m]
   double min_inverse_ = 0.0;  // inverse distance just beyond the range: that of a free beam [1/m]
@@ -70,9 +76,9 @@ class DepthBuffer {
   AlignedDoubles inverse_;
   AlignedDoubles non_reflecting_;  // before BeginReflecting; empty if that was not called
   std::unique_ptr<Horizon> horizon_;
-  std::vector<char> is_drawn_;            // by wall, while a tree is drawn
-  std::vector<int> children_, of_these_;  // numbers of nodes and leaves to look at
-  std::vector<int> visible_;              // result of FindVisible
+  std::unique_ptr<SearchLists> lists_;
+  std::vector<char> is_drawn_;  // by wall, while a tree is drawn
+  std::vector<int> visible_;    // result of FindVisible
 };
 
 }  // namespace flatland

@@ -13,8 +13,10 @@ namespace flatland {
 struct SeenWalls {
   static constexpr int kMost = 250;
 
-  Vec2 place;             ///< of the lidar, in the world [m]
-  int count = 0;          ///< 0 if nothing is known
+  Vec2 place;                       ///< of the lidar, in the world [m]
+  int count = 0;                    ///< 0 if nothing is known
+  int known_count = 0;              ///< of the walls that are known to be visible from its cell
+  const uint32_t* known = nullptr;  ///< their indices, only to be fetched in time
   uint32_t walls[kMost];  ///< indices, each of them once
 };
 

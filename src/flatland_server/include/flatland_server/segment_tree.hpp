@@ -16,7 +16,6 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <utility>
 #include <vector>
 
@@ -87,10 +86,6 @@ class SegmentTree {
   };
 
   explicit SegmentTree(std::vector<Segment> segments, const Progress& progress = {});
-
-  /// An existing tree of equal segments, or a new one. So all worlds with the same map share one.
-  static std::shared_ptr<const SegmentTree> Share(std::vector<Segment> segments,
-                                                  const Progress& progress = {});
 
   size_t segment_count() const { return segments_.size(); }
   size_t leaf_count() const { return leaves_.size(); }

@@ -36,9 +36,8 @@
 ///
 /// Search: the walls of a layer are in a tree (SegmentTree). A box is skipped with all its walls if
 /// every beam of its wedge already ends nearer than the box begins; so is a wall. The least of the
-/// beams of a wedge is looked up in a table (Horizon), which is made a few times in a scan. Level
-/// by level, eight boxes are looked at together (tree_view.hpp), without a branch that a processor
-/// may guess wrongly: what is not hidden goes to a list for the next level.
+/// beams of a wedge is looked up in a table (Horizon), which is made a few times in a scan.
+/// tree_search.hpp goes through the tree.
 ///
 /// Order: first come the walls that the lidar saw last (SeenWalls). In an office these are 77, and
 /// next to nothing else is left to draw: 21 nodes and 36 leaves are looked at. Without them the
@@ -52,14 +51,13 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "doubles.hpp"
 #include "draw_walls.hpp"
 #include "extent.hpp"
 #include "horizon.hpp"
-#include "tree_view.hpp"
+#include "tree_search.hpp"
 
 namespace flatland {
 namespace {
@@ -79,25 +77,6 @@ constexpr float kRings[] = {2.0f, 4.0f, 8.0f, std::numeric_limits<float>::infini
 /// A lidar that is farther from where it was [m] has jumped, and sees other walls.
 constexpr double kJump = 1.0;
 
-/// Appends the numbers of those lanes that the beams do not hide. There is a place more in `list`.
-FLATLAND_INLINE int AppendVisible(const Lanes& lanes, int count, const BeamFan& fan,
-                                  const Horizon& horizon, int* list) {
-  const int* const before = fan.before_buckets();
-  int found = 0;
-  for (int k = 0; k < count; ++k) {
-    const int begin = before[lanes.from[k]], end = before[lanes.to[k] + 1];
-    float least;
-    if (__builtin_expect(lanes.wraps[k], 0)) {
-      least = std::min(horizon.Least(begin, fan.size()), horizon.Least(0, end));
-    } else {
-      least = horizon.Least(begin, end);
-    }
-    list[found] = lanes.number[k];
-    found += static_cast<int>(least < lanes.nearness[k]);
-  }
-  return found;
-}
-
 /// Draws walls, the last ones of them together with copies of the last one.
 FLATLAND_INLINE void DrawEach(const Segment* segments, const LidarView& view, const uint32_t* walls,
                               int count) {
@@ -108,45 +87,22 @@ FLATLAND_INLINE void DrawEach(const Segment* segments, const LidarView& view, co
   }
 }
 
-FLATLAND_CLONES void DrawSeen(const Segment* segments, const LidarView& view,
-                              const SeenWalls& seen) {
-  DrawEach(segments, view, seen.walls, seen.count);
+FLATLAND_CLONES void DrawAll(const Segment* segments, const LidarView& view, const uint32_t* walls,
+                             int count) {
+  DrawEach(segments, view, walls, count);
 }
 
 FLATLAND_CLONES void Update(Horizon& horizon, const double* inverse) { horizon.Update(inverse); }
 
-/// Draws the walls between two distances that the horizon does not hide, but for those that are
-/// drawn, and adds them to what is seen. `list` and `next` have room for all leaves and as many as
-/// a node has.
+/// Draws the walls that the tree's view has and the horizon does not hide, but for those that are
+/// drawn, and adds them to what is seen.
 FLATLAND_CLONES void DrawRing(const SegmentTree& walls, const LidarView& view,
                               const Horizon& horizon, const TreeView& tree, const char* is_drawn,
-                              int* list, int* next, SeenWalls* seen) {
-  constexpr int kNodes = Lanes::kMost / kEight;  // looked at together
-  Lanes lanes;
-  int count = static_cast<int>(walls.levels().back().size());
-  std::iota(list, list + count, 0);
-  for (size_t level = walls.levels().size(); level-- > 0;) {
-    const SegmentTree::Node* const nodes = walls.levels()[level].data();
-    int found = 0;
-    for (int begin = 0; begin < count; begin += kNodes) {
-      const int here = std::min(count - begin, kNodes);
-      for (int i = 0; i < here; ++i) {
-        ViewBoxes(nodes[list[begin + i]], list[begin + i], tree, lanes, kEight * i);
-      }
-      found += AppendVisible(lanes, kEight * here, view.fan, horizon, next + found);
-    }
-    std::swap(list, next);
-    count = found;
-  }
+                              SearchLists& lists, SeenWalls* seen) {
+  const Hiding hiding{horizon, view.fan.before_buckets(), view.fan.size()};
   uint32_t waiting[kBlock + Lanes::kMost];
   int waits = 0;
-  for (int begin = 0; begin < count; begin += kNodes) {
-    const int here = std::min(count - begin, kNodes);
-    for (int i = 0; i < here; ++i) {
-      ViewWallsOf(walls.leaves()[list[begin + i]], view.origin, tree, lanes, kEight * i);
-    }
-    int visible[Lanes::kMost + 1];
-    const int found = AppendVisible(lanes, kEight * here, view.fan, horizon, visible);
+  FindUnhidden(walls, tree, hiding, lists, [&](const int* visible, int found) {
     for (int i = 0; i < found; ++i) {
       const auto wall = static_cast<uint32_t>(visible[i]);
       waiting[waits] = wall;
@@ -158,7 +114,7 @@ FLATLAND_CLONES void DrawRing(const SegmentTree& walls, const LidarView& view,
     DrawEach(walls.segments().data(), view, waiting, whole);
     std::copy(waiting + whole, waiting + waits, waiting);
     waits -= whole;
-  }
+  });
   DrawEach(walls.segments().data(), view, waiting, waits);
 }
 
@@ -266,8 +222,13 @@ void BoundingCircles::Add(Vec2 center, double circle_radius) {
   ++count;
 }
 
-DepthBuffer::DepthBuffer() : horizon_(std::make_unique<Horizon>()) {}
+DepthBuffer::DepthBuffer()
+    : horizon_(std::make_unique<Horizon>()), lists_(std::make_unique<SearchLists>()) {}
 DepthBuffer::~DepthBuffer() = default;
+
+LidarView DepthBuffer::ViewFrom(const Pose& lidar) {
+  return {*fan_, inverse_.data(), {lidar.x, lidar.y}, Rotation(lidar.yaw)};
+}
 
 void DepthBuffer::Begin(const BeamFan& fan, double range) {
   fan_ = &fan;
@@ -282,17 +243,15 @@ void DepthBuffer::Draw(const SegmentTree& walls, const Pose& lidar, SeenWalls* l
   const size_t count = walls.segment_count();
   if (count == 0) return;
   if (is_drawn_.size() < count) is_drawn_.resize(count, 0);
-  const size_t room = walls.leaf_count() + 2 * kEight;
-  for (std::vector<int>* list : {&children_, &of_these_})
-    list->resize(std::max(list->size(), room));
-  const LidarView view{*fan_, inverse_.data(), {lidar.x, lidar.y}, Rotation(lidar.yaw)};
+  lists_->MakeRoomFor(walls);
+  const LidarView view = ViewFrom(lidar);
   SeenWalls seen;
   seen.place = view.origin;
   horizon_->Begin(fan_->size());
   const auto draw_ring = [&](float from, float to) {
     Update(*horizon_, inverse_.data());
-    DrawRing(walls, view, *horizon_, TreeView(walls, view, from * from, to * to), is_drawn_.data(),
-             children_.data(), of_these_.data(), &seen);
+    const TreeView tree(walls, view.origin, view.rotation, fan_->buckets_per_unit(), from, to);
+    DrawRing(walls, view, *horizon_, tree, is_drawn_.data(), *lists_, &seen);
   };
   const auto is_known = [&] {
     if (last == nullptr || last->count == 0) return false;
@@ -302,7 +261,7 @@ void DepthBuffer::Draw(const SegmentTree& walls, const Pose& lidar, SeenWalls* l
                        [count](uint32_t wall) { return wall < count; });
   };
   if (is_known()) {
-    DrawSeen(walls.segments().data(), view, *last);
+    DrawAll(walls.segments().data(), view, last->walls, last->count);
     for (int i = 0; i < last->count; ++i) is_drawn_[last->walls[i]] = 1;
     draw_ring(0.0f, std::numeric_limits<float>::infinity());
     for (int i = 0; i < last->count; ++i) is_drawn_[last->walls[i]] = 0;
@@ -317,6 +276,11 @@ void DepthBuffer::Draw(const SegmentTree& walls, const Pose& lidar, SeenWalls* l
   last->place = seen.place;
   last->count = std::min(seen.count, SeenWalls::kMost);
   std::copy_n(seen.walls, last->count, last->walls);
+}
+
+void DepthBuffer::Draw(const SegmentTree& walls, const std::vector<uint32_t>& only,
+                       const Pose& lidar) {
+  DrawAll(walls.segments().data(), ViewFrom(lidar), only.data(), static_cast<int>(only.size()));
 }
 
 void DepthBuffer::DrawCircle(Vec2 center, double radius) {
@@ -343,8 +307,7 @@ void DepthBuffer::DrawPolygon(const Vec2* corners, int count) {
 const std::vector<int>& DepthBuffer::FindVisible(const BoundingCircles& circles,
                                                  const Pose& lidar) {
   visible_.clear();
-  FindVisibleIn(circles, {*fan_, inverse_.data(), {lidar.x, lidar.y}, Rotation(lidar.yaw)}, range_,
-                &visible_);
+  FindVisibleIn(circles, ViewFrom(lidar), range_, &visible_);
   return visible_;
 }
 

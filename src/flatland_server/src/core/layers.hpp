@@ -17,7 +17,7 @@
 #include "flatland_server/bodies.hpp"
 #include "flatland_server/collision_layers.hpp"
 #include "flatland_server/geometry.hpp"
-#include "flatland_server/segment_tree.hpp"
+#include "flatland_server/visible_walls.hpp"
 #include "nearby_walls.hpp"
 
 namespace flatland {
@@ -25,7 +25,9 @@ namespace flatland {
 class Layers {
  public:
   struct Layer {
-    std::shared_ptr<const SegmentTree> walls;
+    const SegmentTree& walls() const { return visible->all(); }
+
+    std::shared_ptr<const VisibleWalls> visible;
     LayerBits bits;
   };
 

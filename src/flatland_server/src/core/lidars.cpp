@@ -145,11 +145,22 @@ void Lidars::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& s
   };
   size_t most = 0;
   for (const Layers::Layer& layer : layers_.all()) {
-    if (is_seen(layer)) most = std::max(most, layer.walls->segment_count());
+    if (is_seen(layer)) most = std::max(most, layer.walls().segment_count());
   }
   for (const Layers::Layer& layer : layers_.all()) {
     if (!is_seen(layer) || !choose(layer.bits)) continue;
-    buffer.Draw(*layer.walls, pose, layer.walls->segment_count() == most ? seen : nullptr);
+    const SegmentTree& walls = layer.walls();
+    SeenWalls* const last = walls.segment_count() == most ? seen : nullptr;
+    const auto* const visible = layer.visible->From({pose.x, pose.y});
+    if (last != nullptr) {
+      last->known = visible == nullptr ? nullptr : visible->data();
+      last->known_count = visible == nullptr ? 0 : static_cast<int>(visible->size());
+    }
+    if (visible != nullptr) {
+      buffer.Draw(walls, *visible, pose);
+    } else {
+      buffer.Draw(walls, pose, last);
+    }
   }
   const Vec2 origin{pose.x, pose.y};
   const Rotation rotation(pose.yaw);

@@ -1,13 +1,9 @@
 #include "flatland_server/segment_tree.hpp"
 
 #include <algorithm>
-#include <cstring>
-#include <functional>
+#include <cstddef>
 #include <limits>
-#include <mutex>
 #include <numeric>
-#include <string_view>
-#include <unordered_map>
 
 namespace flatland {
 namespace {
@@ -22,47 +18,7 @@ constexpr size_t kMostAtTop = 4;
 
 Vec2 TwiceCenter(const Segment& segment) { return segment.a + segment.b; }
 
-/// Of the first walls: whether all are equal is compared anyway.
-size_t HashOf(const std::vector<Segment>& segments) {
-  const auto* bytes = reinterpret_cast<const char*>(segments.data());
-  const size_t count = std::min<size_t>(segments.size(), 100);
-  return std::hash<std::string_view>()({bytes, count * sizeof(Segment)});
-}
-
-bool AreEqual(const std::vector<Segment>& a, const std::vector<Segment>& b) {
-  return a.size() == b.size() &&
-         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Segment)) == 0);
-}
-
 }  // namespace
-
-std::shared_ptr<const SegmentTree> SegmentTree::Share(std::vector<Segment> segments,
-                                                      const Progress& progress) {
-  static std::mutex mutex;
-  static std::unordered_multimap<size_t, std::weak_ptr<const SegmentTree>> trees;
-  const size_t hash = HashOf(segments);
-  const auto find = [&](const std::vector<Segment>& wanted) {
-    for (auto [i, end] = trees.equal_range(hash); i != end; ++i) {
-      const std::shared_ptr<const SegmentTree> tree = i->second.lock();
-      if (tree && AreEqual(tree->segments_, wanted)) return tree;
-    }
-    return std::shared_ptr<const SegmentTree>();
-  };
-  {
-    const std::lock_guard lock(mutex);
-    if (auto tree = find(segments)) return tree;
-  }
-  // Not locked: `progress` may wait for another thread, which may be in here too.
-  auto tree = std::make_shared<const SegmentTree>(std::move(segments), progress);
-  const std::lock_guard lock(mutex);
-  if (auto other = find(tree->segments_)) return other;
-  // Drops unused trees; this takes no time compared with building a new one.
-  for (auto i = trees.begin(); i != trees.end();) {
-    i = i->second.expired() ? trees.erase(i) : std::next(i);
-  }
-  trees.emplace(hash, tree);
-  return tree;
-}
 
 SegmentTree::SegmentTree(std::vector<Segment> segments, const Progress& progress)
     : segments_(std::move(segments)) {

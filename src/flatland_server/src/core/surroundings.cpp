@@ -79,7 +79,7 @@ void SeeWalls(const Layers& all, LayerBits layers, Vec2 point, double reach,
   const Box box{{point.x - reach, point.y - reach}, {point.x + reach, point.y + reach}};
   for (const Layers::Layer& layer : all.all()) {
     if ((layer.bits & layers) == 0) continue;
-    const SegmentTree& walls = *layer.walls;
+    const SegmentTree& walls = layer.walls();
     walls.ForEachLeafAt(box, [&](size_t leaf) {
       walls.ForEachWall(leaf, [&](uint32_t index) {
         const Segment& wall = walls.segments()[index];

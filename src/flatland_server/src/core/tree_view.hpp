@@ -1,6 +1,6 @@
 #pragma once
 
-/// For depth_buffer.cpp: boxes and walls of a SegmentTree as seen by a lidar, eight at a time:
+/// For tree_search.hpp: boxes and walls of a SegmentTree as seen by a lidar, eight at a time:
 /// which beams may meet each, and how near it is. In single precision, with margins to be on the
 /// safe side; what is drawn is computed in double precision.
 
@@ -12,17 +12,21 @@ namespace flatland {
 
 static_assert(SegmentTree::kWidth == kEight);
 
-/// The lidar, relative to the centre of a tree, and the distances that are looked at.
+/// A lidar's pose, also relative to the centre of a tree, the buckets of its diamond angles, and
+/// the distances that are looked at [m].
 struct TreeView {
-  TreeView(const SegmentTree& walls, const LidarView& view, float min_square, float max_square)
-      : x(static_cast<float>(view.origin.x - walls.center().x)),
-        y(static_cast<float>(view.origin.y - walls.center().y)),
-        cos(static_cast<float>(view.rotation.cos)),
-        sin(static_cast<float>(view.rotation.sin)),
-        buckets_per_unit(static_cast<float>(view.fan.buckets_per_unit())),
-        min_square(min_square),
-        max_square(max_square) {}
+  TreeView(const SegmentTree& walls, Vec2 origin, const Rotation& rotation, double buckets_per_unit,
+           float from, float to)
+      : origin(origin),
+        x(static_cast<float>(origin.x - walls.center().x)),
+        y(static_cast<float>(origin.y - walls.center().y)),
+        cos(static_cast<float>(rotation.cos)),
+        sin(static_cast<float>(rotation.sin)),
+        buckets_per_unit(static_cast<float>(buckets_per_unit)),
+        min_square(from * from),
+        max_square(to * to) {}
 
+  Vec2 origin;
   float x, y, cos, sin, buckets_per_unit;
   float min_square, max_square;  // [m^2]
 };
@@ -91,10 +95,10 @@ FLATLAND_INLINE void ViewBoxes(const SegmentTree::Node& node, int number, const 
 }
 
 /// Looks at the walls of a leaf.
-FLATLAND_INLINE void ViewWallsOf(const SegmentTree::Leaf& leaf, Vec2 lidar, const TreeView& view,
-                                 Lanes& lanes, int lane) {
-  const auto x = static_cast<float>(lidar.x - leaf.center.x);
-  const auto y = static_cast<float>(lidar.y - leaf.center.y);
+FLATLAND_INLINE void ViewWallsOf(const SegmentTree::Leaf& leaf, const TreeView& view, Lanes& lanes,
+                                 int lane) {
+  const auto x = static_cast<float>(view.origin.x - leaf.center.x);
+  const auto y = static_cast<float>(view.origin.y - leaf.center.y);
   const EightFloats world_ax = Load(leaf.ax) - x, world_ay = Load(leaf.ay) - y;
   const EightFloats world_bx = Load(leaf.bx) - x, world_by = Load(leaf.by) - y;
   const EightFloats ax = view.cos * world_ax + view.sin * world_ay;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <map>
 #include <sstream>
 #include <stdexcept>
@@ -101,7 +102,14 @@ void WorldBatch::ForEach(const bool* mask, int width, Visit visit) {
 void WorldBatch::Prefetch(int row, int distance) const {
   SharedWorld::Prefetch(*environments_[row].state, distance);
   for (int i = 0; i < robot_count(); ++i) {
-    if (distance == 2) PrefetchObject(seen_[int64_t{row} * robot_count() + i]);
+    const SeenWalls& seen = seen_[int64_t{row} * robot_count() + i];
+    if (distance == 2) PrefetchBytes(&seen, offsetof(SeenWalls, walls));
+    if (distance != 1) continue;
+    if (seen.known != nullptr) {
+      PrefetchBytes(seen.known, seen.known_count * sizeof(seen.known[0]));
+    } else {
+      PrefetchBytes(seen.walls, seen.count * sizeof(seen.walls[0]));
+    }
   }
 }
 

@@ -284,34 +284,12 @@ TEST(SegmentTree, HasEachWallInTheLeavesThatItsBoxMeets) {
   }
 }
 
-TEST(SegmentTree, IsSharedByThoseWithTheSameWalls) {
-  const auto first = SegmentTree::Share(PixelWalls(5, 5));
-  const auto other = SegmentTree::Share(PixelWalls(5, 6));
-
-  EXPECT_EQ(SegmentTree::Share(PixelWalls(5, 5)), first);
-  EXPECT_NE(first, other);
-
-  const std::weak_ptr<const SegmentTree> gone = SegmentTree::Share(PixelWalls(6, 5));
-  EXPECT_TRUE(gone.expired()) << "it is not used any more";
-}
-
 TEST(SegmentTree, IsEmptyWithoutWalls) {
   const SegmentTree tree(std::vector<Segment>{});
 
   EXPECT_EQ(tree.segment_count(), 0u);
   EXPECT_EQ(Cast(tree, {0, 0}, {1, 0}, kFar), kInfinity);
   EXPECT_EQ(Cast(tree, {-3, 2}, Towards(-0.5), kFar), kInfinity);
-}
-
-TEST(SegmentTree, WhatReceivesTheProgressCanMakeAnotherTree) {
-  std::shared_ptr<const SegmentTree> other;
-
-  const auto tree = SegmentTree::Share(
-      PixelWalls(7, 5), [&](size_t) { other = SegmentTree::Share(PixelWalls(7, 6)); });
-
-  EXPECT_EQ(tree->segment_count(), PixelWalls(7, 5).size());
-  ASSERT_NE(other, nullptr);
-  EXPECT_EQ(other->segment_count(), PixelWalls(7, 6).size());
 }
 
 }  // namespace
