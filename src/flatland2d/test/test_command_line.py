@@ -12,7 +12,6 @@ import pytest
 from PIL import Image
 
 from flatland2d.cli import main
-from flatland2d.viewer.keys import KEYS
 
 pytestmark = pytest.mark.slow
 
@@ -317,28 +316,6 @@ def test_ctrl_c_completes_the_recording(folder):
         assert bag.get_message_count("/scan") >= 40
 
 
-def test_a_window_without_a_screen_is_an_error(folder, capsys, monkeypatch):
-    pytest.importorskip("pygame")
-    for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"):
-        monkeypatch.delenv(name, raising=False)
-
-    assert main(["view", "world.yaml"]) == 1
-    assert capsys.readouterr().err == (
-        "flatland: there is no screen to open a window on: DISPLAY is not set; "
-        "`flatland render` draws into a file\n"
-    )
-
-
-def test_a_window_without_pygame_is_an_error_that_says_what_to_install(folder, capsys, monkeypatch):
-    monkeypatch.setitem(sys.modules, "pygame", None)
-    monkeypatch.delitem(sys.modules, "flatland2d.viewer.window", raising=False)
-
-    assert main(["view", "world.yaml"]) == 1
-    error = capsys.readouterr().err
-    assert "pip install 'flatland2d[view]'" in error
-    assert error.count("\n") == 1
-
-
 @pytest.mark.slow
 def test_rosrun_finds_it(folder):
     answer = subprocess.run(
@@ -364,11 +341,6 @@ def test_a_closed_pipe_is_no_traceback(folder):
 # docs/command_line.md
 
 
-def page_views():
-    """The commands that the page shows and that open a window, without the word "flatland"."""
-    return re.findall(r"^flatland (view .*)$", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
-
-
 def page_options(command):
     """The options that the page names for a subcommand."""
     text = re.sub(r"```.*?```", "", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL)
@@ -381,35 +353,10 @@ def options_in(text):
     return set(re.findall(r"(?<![\w-])--?[a-z][a-z-]*", text))
 
 
-class Window:
-    """In place of the real one, which test_view_window.py opens."""
-
-    def __init__(self, viewer, title):
-        self.viewer = viewer
-
-    def run(self):
-        self.viewer.advance(0.1)
-        self.viewer.image()
-
-
-@pytest.mark.parametrize("line", page_views())
-def test_a_window_of_the_page_opens(line, monkeypatch):
-    """The page's other commands are run in test/guide."""
-    pytest.importorskip("pygame")
-    monkeypatch.setattr("flatland2d.viewer.window.Window", Window)
-
-    assert main(shlex.split(line)) == 0
-
-
 @pytest.mark.parametrize("command", ["render", "run", "view"])
 def test_the_page_has_all_options(command, capsys):
     with pytest.raises(SystemExit):
         main([command, "--help"])
-    options = options_in(capsys.readouterr().out.partition("keys:")[0]) - {"-h", "--help"}
+    options = options_in(capsys.readouterr().out) - {"-h", "--help"}
 
     assert options == page_options(command)
-
-
-def test_the_page_has_all_keys():
-    rows = "\n".join(f"| {keys} | {action} |" for keys, action in KEYS)
-    assert rows in PAGE.read_text(encoding="utf-8")

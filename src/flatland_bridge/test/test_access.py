@@ -63,7 +63,9 @@ def test_the_page_is_all_that_is_served(server):
     url = server.clients.url(ROSBRIDGE, "http")
     with urllib.request.urlopen(url) as page:
         assert "<canvas" in page.read().decode()
-        assert "default-src 'self'" in page.headers["Content-Security-Policy"]
+        policy = page.headers["Content-Security-Policy"]
+        assert "default-src 'self'" in policy
+        assert "frame-ancestors 'none'" in policy  # no other page can make its user click there
     for path in ("page.js/", "../server.py", "%2e%2e/server.py", "etc/passwd", "index.html?x=/.."):
         with pytest.raises(urllib.error.HTTPError, match="404"):
             urllib.request.urlopen(url + path)

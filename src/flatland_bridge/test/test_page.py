@@ -1,147 +1,320 @@
-"""The page of `flatland serve` in a headless Chromium, driven by the protocol of its DevTools."""
+"""The page in a headless Chromium: what it shows, and what its users do."""
 
-import itertools
-import json
+import math
 import re
-import shutil
-import subprocess
+from pathlib import Path
 
 import pytest
-from bridge_clients import ROBOT, Client, connect, running
+import yaml
+from bridge_clients import ROBOT, Client, running
+from browser_tab import CHROMIUM, ORANGE, Tab, chromium
+from PIL import Image
 from waiting import wait_until
 
-from flatland_bridge.server import ROSBRIDGE
+from flatland_bridge.websocket_server import PAGE
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
-
-RECORD_TEXTS = """
-const write = CanvasRenderingContext2D.prototype.fillText;
-window.texts = {};  // fonts of the texts in the canvas
-CanvasRenderingContext2D.prototype.fillText = function (text, ...rest) {
-  window.texts[text] = this.font;
-  write.call(this, text, ...rest);
-};
-"""
-RETURNS = """(() => {
-  const view = document.getElementById("view"), {x, y} = view.getBoundingClientRect();
-  const {data, width} = view.getContext("2d").getImageData(0, 0, view.width, view.height);
-  const points = [];
-  for (let i = 0; i < data.length; i += 4) {
-    if (data[i] > 200 && data[i + 1] < 80 && data[i + 2] < 80) {
-      points.push([x + i / 4 % width, y + Math.floor(i / 4 / width)]);
-    }
-  }
-  return points;
-})()"""
+WINDOW_PAGE = Path(__file__).resolve().parents[3] / "docs" / "window.md"
+SCREENS = {
+    "desktop": {"size": (1280, 800)},
+    "phone": {"size": (390, 844), "is_dark": True, "is_touched": True},
+}
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")]
 
 
-class Browser:
-    """A tab of a browser."""
-
-    def __init__(self, socket):
-        self._socket = socket
-        self._session = ""
-        self._numbers = itertools.count(1)
-        target = self.call("Target.createTarget", url="about:blank")["targetId"]
-        session = self.call("Target.attachToTarget", targetId=target, flatten=True)
-        self._session = session["sessionId"]
-
-    def call(self, method, **params):
-        number = next(self._numbers)
-        call = {"id": number, "method": method, "params": params}
-        if self._session:
-            call["sessionId"] = self._session
-        self._socket.send(json.dumps(call))
-        while True:
-            message = json.loads(self._socket.recv(timeout=60))
-            if message.get("id") == number:
-                return message["result"]
-
-    def value(self, expression):
-        """The value of an expression in the page."""
-        answer = self.call("Runtime.evaluate", expression=expression, returnByValue=True)
-        return answer["result"].get("value")
-
-    def text(self, name):
-        return self.value(f"document.getElementById('{name}').textContent")
-
-    def press(self, key, kind="keyDown"):
-        self.call("Input.dispatchKeyEvent", type=kind, key=key)
-
-    def open(self, server):
-        """Opens the page, and waits for the world in it."""
-        self.call("Page.enable")
-        self.call("Page.addScriptToEvaluateOnNewDocument", source=RECORD_TEXTS)
-        self.call("Page.navigate", url=server.clients.url(ROSBRIDGE, "http"))
-        wait_until(lambda: self.value("document.getElementById('robot').value"), "the robot")
-
-    def pixel(self, x, y):
-        """Where a point of the world is, as long as the view is as at first."""
-        left, top, width, height = self.value(
-            "(({x, y, width, height}) => [x, y, width, height])"
-            "(document.getElementById('view').getBoundingClientRect())"
-        )
-        scale = 0.95 * min(width, height) / 10  # WORLD is 10 m wide and high
-        return left + width / 2 + x * scale, top + height / 2 - y * scale
-
-    def returns(self):
-        """The points of the world that are drawn as a scan's."""
-        (left, top), (right, _) = self.pixel(0, 0), self.pixel(1, 0)
-        return [
-            ((x - left) / (right - left), (top - y) / (right - left))
-            for x, y in self.value(RETURNS)
-        ]
-
-    def click(self, x, y):
-        for kind in ("mousePressed", "mouseReleased"):
-            self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+@pytest.fixture(scope="module")
+def chromium_socket(tmp_path_factory):
+    with chromium(tmp_path_factory.mktemp("chromium")) as socket:
+        yield socket
 
 
 @pytest.fixture
-def browser(tmp_path):
-    options = ["--headless", "--no-sandbox", "--disable-gpu", "--window-size=900,600"]
-    process = subprocess.Popen(
-        [CHROMIUM, *options, "--remote-debugging-port=0", f"--user-data-dir={tmp_path}/profile"],
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    try:
-        found = next(filter(None, (re.search(r"ws://\S+", line) for line in process.stderr)))
-        with connect(found[0], max_size=None) as socket:
-            yield Browser(socket)
-    finally:
-        process.kill()
-        process.wait()
+def open_tab(chromium_socket):
+    """Opens tabs of one browser."""
+    tabs = []
+
+    def opened(**options):
+        tabs.append(Tab(chromium_socket, **options))
+        return tabs[-1]
+
+    yield opened
+    for tab in tabs:
+        tab.call("Target.closeTarget", targetId=tab.target)
 
 
-def test_the_page_shows_the_world_and_drives_and_spawns(world, browser):
-    with running(world) as server:
+@pytest.fixture
+def tab(open_tab):
+    return open_tab()
+
+
+def pose_of(server, name):
+    """The present pose of a model."""
+    return server.transport.call(lambda: server.manager.world.models[name].pose)
+
+
+def wait_for_status(tab, text):
+    wait_until(lambda: tab.text("status") == text, f'"{text}"')
+
+
+@pytest.mark.parametrize("screen", SCREENS)
+def test_models_are_driven_spawned_dragged_saved_and_undone(world, open_tab, screen, monkeypatch):
+    tab = open_tab(**SCREENS[screen])
+    with running(world, state_folder=world.parent, with_history=True) as server:
+        undone = []
+        services = server.graph._services
+        for name in ("/undo", "/redo"):
+            service = services["/reload_world"]._replace(
+                action=lambda request, name=name: (
+                    undone.append(name) or {"message": f"{name}: done"}
+                )
+            )
+            monkeypatch.setitem(services, name, service)
         models = server.manager.world.models
-        browser.open(server)
-        assert browser.text("status") == "connected"
+        tab.open(server)
+        assert tab.text("status") == "connected"
 
-        browser.press("ArrowUp")
-        wait_until(
-            lambda: server.transport.call(lambda: models["robot"].pose.x) > 0.3,
-            "the robot to drive",
-        )
-        browser.press("ArrowUp", "keyUp")
-
-        browser.press(" ")
-        wait_until(lambda: "Paused" in browser.text("banner"), "the pause")
+        tab.press("ArrowUp")
+        wait_until(lambda: pose_of(server, "robot").x > 0.3, "the robot to drive")
+        tab.press("ArrowUp", "keyUp")
+        tab.press("t")
+        tab.screenshot(f"{screen}_driven")
+        tab.press(" ")
+        wait_until(lambda: "Paused" in tab.text("banner"), "the pause")
         assert server.manager.is_paused
 
-        browser.value("document.getElementById('spawn').click()")
-        browser.click(600, 250)
-        wait_until(lambda: "robot_1" in models, "the new model")
-        wait_until(lambda: browser.value("document.getElementById('robot').length") == 2, "both")
-        wait_until(lambda: browser.text("status") == "robot_1 is spawned", "the words")
-        browser.press("Delete")
+        tab.push("spawn")
+        tab.click(*tab.pixel(0, 3))
+        wait_for_status(tab, "robot_1 is spawned")
+        wait_until(lambda: tab.of("robot", "length") == 2, "both robots in the list")
+        assert pose_of(server, "robot_1") == pytest.approx((0, 3, 0), abs=0.05)
+
+        wait_until(lambda: "robot_1" in tab.text("pose"), "its pose")
+        before = tab.text("pose")
+        tab.drag(tab.pixel(0, 3), tab.pixel(-2, 1))
+        wait_for_status(tab, "robot_1 is moved")
+        wait_until(lambda: tab.text("pose") not in ("", before), "another pose")
+        assert pose_of(server, "robot_1") == pytest.approx((-2, 1, 0), abs=0.05)
+        tab.drag(tab.pixel(-2, 1), tab.pixel(-2, 3), modifiers=8)
+        wait_for_status(tab, "robot_1 is turned")
+        assert pose_of(server, "robot_1").yaw == pytest.approx(1.57, abs=0.05)
+        wait_until(lambda: tab.text("save") == "Save * 1", "the mark of a change")
+        tab.screenshot(f"{screen}_spawned")
+
+        tab.press("Ctrl+z")
+        wait_for_status(tab, "/undo: done")
+        tab.press("Ctrl+Shift+z")
+        wait_for_status(tab, "/redo: done")
+        assert undone == ["/undo", "/redo"]
+        tab.press("Ctrl+s")
+        wait_for_status(tab, f"1 changed model saved in {world}")
+        saved = yaml.safe_load(world.read_text())["models"]
+        assert [model["name"] for model in saved] == ["robot", "robot_1"]
+        wait_until(lambda: tab.text("save") == "Save", "no mark")
+
+        tab.press("Delete")
         wait_until(lambda: len(models) == 1, "a model to be deleted")
-        browser.press(" ")
-        wait_until(lambda: browser.text("banner") == "", "the end of the pause")
+        tab.press(" ")
+        wait_until(lambda: tab.text("banner") == "", "the end of the pause")
+
+
+def test_what_the_server_does_not_offer_is_disabled(server, tab, monkeypatch):
+    for name in ("/undo", "/redo"):
+        monkeypatch.delitem(server.graph._services, name, raising=False)
+    tab.open(server)
+
+    wait_until(lambda: all(tab.of(name, "disabled") for name in ("undo", "redo", "save")), "that")
+    assert tab.of("timeline", "hidden")
+
+
+def test_an_infinite_rate_is_shown(world, tab):
+    with running(world, rate=math.inf) as server:
+        tab.open(server)
+        wait_until(lambda: tab.of("rate", "value") == "max", "the rate")
+
+
+def test_a_copy_is_saved_of_a_world_that_is_not_the_users(world, tab, tmp_path, monkeypatch):
+    with running(world, state_folder=tmp_path, is_paused=True) as server:
+        shipped = {"office": world}
+        monkeypatch.setattr("flatland_bridge.simulated_graph.shipped_worlds", lambda: shipped)
+        tab.open(server)
+        Client(server).call("/move_model", name="robot", pose={"x": 1.0})
+        tab.press("Ctrl+s")
+        wait_until(lambda: tab.call("Target.getTargets") and tab.dialog, "the question")
+        assert "the world is one of Flatland's own; save a copy of it" in tab.dialog
+
+        tab.call("Page.handleJavaScriptDialog", accept=True, promptText="copy.yaml")
+
+        wait_for_status(tab, f"1 changed model saved in {tmp_path / 'copy.yaml'}")
+    assert yaml.safe_load((tmp_path / "copy.yaml").read_text())["models"][0]["pose"] == [1, 0, 0]
+
+
+def test_the_past_is_shown_with_its_scans_and_the_run_goes_on_from_there(world, tab):
+    with running(world, with_history=True) as server:
+        tab.open(server)
+        tab.press("ArrowUp")
+        wait_until(lambda: pose_of(server, "robot").x > 1.0, "the robot to drive")
+        tab.press("ArrowUp", "keyUp")
+        tab.press("Alt+ArrowLeft")
+        wait_until(lambda: "in the past" in tab.text("banner"), "the past")
+        assert pose_of(server, "robot").x == 0.0
+        wait_until(tab.returns, "the scan of that moment")
+        assert all(map(is_on_a_wall, tab.returns()))
+
+        tab.press("ArrowUp")  # drives nothing there
+        tab.press(".")
+        wait_until(lambda: tab.text("clock") == "0.1 s, paused", "a step along the run")
+        assert "in the past" in tab.text("banner")
+        tab.press(",")
+        wait_until(lambda: tab.text("clock") == "0.0 s, paused", "the way back")
+        end = float(tab.of("moment", "max"))
+        tab.value(f"moment.value = {end / 2}; moment.dispatchEvent(new Event('input'))")
+        wait_until(lambda: 0 < pose_of(server, "robot").x < 1, "the moment of the slider")
+        tab.push("latest")
+        wait_until(lambda: "in the past" not in tab.text("banner"), "the latest moment")
+        assert pose_of(server, "robot").x > 1.0
+        tab.press("ArrowUp", "keyUp")
+
+        tab.press("Alt+ArrowLeft")
+        wait_until(lambda: "in the past" in tab.text("banner"), "the past")
+        tab.press(" ")
+        wait_until(lambda: not server.manager.is_paused, "the run to go on")
+        assert server.manager.timekeeper.seconds < end
+
+
+def test_the_trail_shows_where_the_odometry_believes_to_have_been(world, tab):
+    with running(world) as server:
+        tab.open(server)
+        tab.press("t")
+        wait_until(lambda: tab.of("trail", "checked"), "the trail")
+        tab.press("ArrowUp")
+        wait_until(lambda: pose_of(server, "robot").x > 1.0, "the robot to drive")
+        tab.press("ArrowUp", "keyUp")
+
+        wait_until(lambda: any(0.3 < x < 0.6 for x, _ in tab.points(ORANGE)), "the trail")
+
+        assert all(abs(y) < 0.1 for x, y in tab.points(ORANGE) if 0.3 < x < 0.6)
+
+
+def test_keys_change_what_is_shown(world, tab, tmp_path):
+    with running(world, is_paused=True, with_history=True) as server:
+        client = Client(server)
+        client.call("/spawn_model", yaml_path="robot.model.yaml", name="two", pose={"x": 3.0})
+        tab.open(server, more="?follow=two")
+        wait_until(lambda: tab.of("robot", "value") == "two", "the robot of the address")
+        assert tab.of("follow", "checked")
+        tab.press("Tab")
+        wait_for_status(tab, "the keys drive robot")
+        tab.press("F10")
+        wait_until(lambda: "/tf" in server.graph._receivers, "the lidar's frame to be missed")
+        assert server.manager.timekeeper.seconds == 0.1
+        tab.press(".")
+        wait_until(tab.returns, "a scan")
+        tab.press("l")
+        wait_until(lambda: not tab.returns(), "scans to be gone")
+        tab.press("l")
+        wait_until(tab.returns, "a scan, though time stands still")
+        tab.press("l")
+        tab.press("n")
+        tab.press("f")
+        assert not any(tab.of(name, "checked") for name in ("names", "follow", "scans"))
+        tab.press("Home")
+        tab.value("window.texts = {}")
+        tab.press("Tab")
+        wait_until(lambda: "two" in tab.value("window.texts"), "the chosen one's name")
+        tab.value("window.texts = {}")
+        tab.press("Home")
+        wait_until(lambda: tab.value("window.texts"), "another picture")
+        assert "robot" not in tab.value("window.texts")
+        tab.press("+")
+        wait_until(lambda: tab.of("rate", "value") == "2", "a higher rate")
+        assert server.manager.rate == 2.0
+        tab.press("-")
+        wait_until(lambda: server.manager.rate == 1.0, "the former rate")
+        tab.press("r")
+        wait_for_status(tab, "the world is as it was loaded")
+        assert "two" not in server.manager.world.models
+
+        tab.press("F1")
+        wait_until(lambda: tab.of("keys", "open"), "the keys")
+        tab.screenshot("keys")
+        tab.push("help")
+        tab.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
+        tab.press("Ctrl+p")
+        wait_until(lambda: list(tmp_path.glob("flatland_*.png")), "the picture")
+        with Image.open(next(tmp_path.glob("flatland_*.png"))) as picture:
+            assert picture.width == 900
+
+
+def ground(tab):
+    """The colour of a pixel at the edge of the view: red, green, blue."""
+    data = "document.getElementById('view').getContext('2d').getImageData(2, 2, 1, 1).data"
+    return tab.value(f"Array.from({data}).slice(0, 3)")
+
+
+def test_the_look_is_that_of_the_system_until_the_user_chooses(server, open_tab):
+    tab = open_tab(is_dark=True)
+    tab.open(server)
+    assert max(ground(tab)) < 40
+    tab.push("look")
+    wait_until(lambda: min(ground(tab)) > 220, "the light look")
+    tab.open(server)
+    assert min(ground(tab)) > 220
+    tab.push("look")
+    wait_until(lambda: max(ground(tab)) < 40, "the dark look")
+
+
+def test_fingers_drive_and_zoom(world, open_tab):
+    tab = open_tab(**SCREENS["phone"])
+    with running(world) as server:
+        tab.open(server)
+        pad = "document.querySelector('#pad [data-key=ArrowUp]').getBoundingClientRect()"
+        tab.touch("Start", tab.value(f"[{pad}.x + 20, {pad}.y + 20]"))
+        wait_until(lambda: pose_of(server, "robot").x > 0.2, "the robot to drive")
+        tab.touch("End")
+        wait_until(lambda: moves(server) is False, "the robot to stop")
+
+        walls = "Math.max(red, green, blue) - Math.min(red, green, blue) < 5 && red > 100"
+        wait_until(lambda: any(x > 4.8 for x, _ in tab.points(walls)), "the right wall")
+        (x, y), apart = tab.pixel(-4, 0), 30
+        tab.touch("Start", (x - apart, y), (x + apart, y))
+        tab.touch("Move", (x - 3 * apart, y), (x + 3 * apart, y))
+        tab.touch("End")
+        wait_until(lambda: not any(x > 4.8 for x, _ in tab.points(walls)), "it to be out of view")
+        tab.screenshot("phone_zoomed")
+
+
+def moves(server):
+    """True while the robot moves."""
+    base = server.manager.world.models["robot"].base
+    return server.transport.call(lambda: any(base.physics_body.velocity))
+
+
+def test_a_robot_stops_when_its_tab_is_closed(world, open_tab):
+    with running(world) as server:
+        one, other = open_tab(), open_tab()
+        other.open(server)
+        one.open(server)
+        one.press("ArrowUp")
+        wait_until(lambda: moves(server), "the robot to drive")
+
+        one.call("Page.navigate", url="about:blank")
+
+        wait_until(lambda: not moves(server), "the robot to stop")
+        assert other.text("status") == "connected"
+
+
+def test_with_many_robots_only_the_chosen_ones_scan_is_asked_for(world, tab):
+    with running(world, is_paused=True) as server:
+        client = Client(server)
+        for number in range(24):
+            pose = {"x": number % 5 - 2.0, "y": number // 5 - 4.0}
+            name = f"r{number}"
+            client.call("/spawn_model", yaml_path="robot.model.yaml", name=name, ns=name, pose=pose)
+        tab.open(server, more="?follow=r3")
+
+        wait_until(lambda: "/r3/scan" in server.graph._receivers, "the subscription")
+        scans = [topic for topic in server.graph._receivers if topic.endswith("scan")]
+        assert scans == ["/r3/scan"]
 
 
 def is_on_a_wall(point):
@@ -150,7 +323,7 @@ def is_on_a_wall(point):
 
 @pytest.mark.parametrize("transforms", ["", "static_tf: true"])
 @pytest.mark.parametrize("namespace", ["", "r1"])
-def test_scans_are_drawn_where_the_robot_was(world, browser, transforms, namespace):
+def test_scans_are_drawn_where_the_robot_was(world, tab, transforms, namespace):
     model = ROBOT.replace("update_rate: 20", f"update_rate: 20\n    {transforms}")
     (world.parent / "robot.model.yaml").write_text(model)
     world.write_text(
@@ -160,42 +333,48 @@ def test_scans_are_drawn_where_the_robot_was(world, browser, transforms, namespa
         client = Client(server)
         topic = f"/{namespace}/cmd_vel" if namespace else "/cmd_vel"
         client.send("publish", topic=topic, msg={"angular": {"z": 1.5}})
-        browser.open(server)
-        wait_until(browser.returns, "a scan")
+        tab.open(server)
+        wait_until(tab.returns, "a scan")
         for _ in range(20):
-            assert all(map(is_on_a_wall, browser.returns()))
+            assert all(map(is_on_a_wall, tab.returns()))
 
         client.call("/pause")
         client.call("/move_model", name="robot", pose={"x": -3.0, "y": -3.0})
-        browser.returns()
-        assert all(map(is_on_a_wall, browser.returns()))
+        tab.returns()
+        assert all(map(is_on_a_wall, tab.returns()))
 
 
-def test_robots_have_names_and_that_of_the_keys_is_marked(world, browser):
+def test_robots_have_names_and_that_of_the_keys_is_marked(world, tab):
     with running(world, is_paused=True) as server:
         client = Client(server)
         client.call("/spawn_model", yaml_path="robot.model.yaml", name="two", pose={"x": 3.0})
-        browser.open(server)
-        wait_until(lambda: {"robot", "two"} <= browser.value("window.texts").keys(), "the names")
-        assert "bold" in browser.value("window.texts.robot")
-        assert "bold" not in browser.value("window.texts.two")
+        tab.open(server)
+        wait_until(lambda: {"robot", "two"} <= tab.value("window.texts").keys(), "the names")
+        assert "bold" in tab.value("window.texts.robot")
+        assert "bold" not in tab.value("window.texts.two")
 
-        browser.click(*browser.pixel(3, 0))
+        tab.click(*tab.pixel(3, 0))
 
-        wait_until(lambda: browser.text("status") == "the keys drive two", "the choice")
-        wait_until(lambda: "bold" in browser.value("window.texts.two"), "the mark")
-        assert "bold" not in browser.value("window.texts.robot")
+        wait_for_status(tab, "the keys drive two")
+        wait_until(lambda: "bold" in tab.value("window.texts.two"), "the mark")
+        assert "bold" not in tab.value("window.texts.robot")
 
 
-def test_a_spawn_into_a_wall_is_a_warning(world, browser):
+def test_a_spawn_into_a_wall_is_a_warning(world, tab):
     with running(world, is_paused=True) as server:
-        browser.open(server)
-        browser.value("document.getElementById('spawn').click()")
-        browser.click(*browser.pixel(5, 1))
+        tab.open(server)
+        tab.push("spawn")
+        tab.click(*tab.pixel(5, 1))
 
         wait_until(lambda: "robot_1" in server.manager.world.models, "the model")
-        wait_until(
-            lambda: browser.value("document.getElementById('status').className") == "warning",
-            "the warning",
-        )
-        assert 'overlaps the layer "hall"' in browser.text("status")
+        wait_until(lambda: tab.of("status", "className") == "warning", "the warning")
+        assert 'overlaps the layer "hall"' in tab.text("status")
+
+
+def test_the_help_and_the_documentation_have_the_same_keys():
+    row = r"<tr><td>(.+?)</td><td>(.+?)</td></tr>"
+    keys = re.findall(row, (PAGE / "index.html").read_text(encoding="utf-8"))
+    rows = re.findall(r"^\| (.+?) \|.*\| (.+?) \|$", WINDOW_PAGE.read_text(), re.MULTILINE)
+
+    assert len(keys) > 20
+    assert [key for key in keys if key not in rows] == []

@@ -3,7 +3,6 @@ import pytest
 
 @pytest.fixture
 def without_screen(monkeypatch):
-    """No screen, but pygame."""
-    pytest.importorskip("pygame")
-    for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"):
+    """No screen, hence no browser."""
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"):
         monkeypatch.delenv(name, raising=False)

@@ -4,6 +4,7 @@ import importlib.util
 import io
 import math
 import sys
+import urllib.request
 import warnings
 
 import gymnasium as gym
@@ -28,7 +29,7 @@ FORWARDS = np.float32([0.8, 0.0])
     [{"world": "discs"}, {"world": "office", "beams": 36, "flatten": False}],
     ids=["discs", "office, dicts"],
 )
-def test_it_passes_gymnasiums_check_without_a_screen(arguments, without_screen):
+def test_it_passes_gymnasiums_check(arguments, without_screen):
     with warnings.catch_warnings():
         warnings.filterwarnings("error")
         # The actions have units: a policy drives a robot as it is. RescaleAction takes them away.
@@ -344,25 +345,6 @@ def test_a_line_of_text():
     env.close()
 
 
-def test_without_a_screen_a_window_is_a_warning(without_screen, caplog):
-    env = make(world="empty_room", render_mode="human")
-    for _ in range(2):
-        env.reset(seed=1)
-    env.close()
-    [message] = caplog.messages
-    assert message.startswith("the window cannot be opened: ")
-
-
-def test_without_pygame_there_is_no_window(monkeypatch):
-    monkeypatch.setitem(sys.modules, "pygame", None)
-    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    env = make(world="empty_room", render_mode="human")
-    assert env.metadata["render_modes"] == ["rgb_array", "ansi"]
-    with pytest.raises(MissingPackageError, match="needs pygame"):
-        env.reset(seed=1)
-    env.close()
-
-
 @pytest.mark.parametrize("count", [0, 3])
 def test_a_notebook_shows_environments(count):
     env = make_vector(count, world="discs").unwrapped if count else make(world="discs")
@@ -378,14 +360,22 @@ def _first_picture(env, step):
     return env.navigation.picture(0)[::step, ::step][:240, :240]
 
 
-def test_a_window(monkeypatch):
-    pytest.importorskip("pygame")
-    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+def test_a_page_in_the_browser_shows_an_environment(monkeypatch):
+    pages = []
+    monkeypatch.setattr("flatland2d.picture_page.open_in_browser", pages.append)
     env = make(world="empty_room", render_mode="human")
+    assert env.metadata["render_modes"] == ["human", "rgb_array", "ansi"]
     env.reset(seed=1)
-    for _ in range(3):
-        env.step(FORWARDS)
-    env.close()
+    with urllib.request.urlopen(f"{pages[0]}pictures") as stream:
+        lines = iter(stream.readline, b"")
+        assert b"Content-Type: image/jpeg\r\n" in lines
+        for _ in range(3):
+            assert env.step(FORWARDS)
+            assert env.render() is None
+        assert b"Content-Type: image/jpeg\r\n" in lines
+        env.close()
+        assert stream.read().endswith(b"--picture\r\n")
+    assert len(pages) == 1
 
 
 @pytest.mark.skipif(not importlib.util.find_spec("moviepy"), reason="moviepy is not installed")

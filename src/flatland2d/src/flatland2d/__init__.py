@@ -44,11 +44,13 @@ from flatland_server import __version__ as __version__
 
 if _typing.TYPE_CHECKING:
     from flatland2d.batch.simulation_batch import SimulationBatch
+    from flatland2d.picture_page import PicturePage
     from flatland2d.recorder import Recorder
     from flatland2d.rendering.film import Animation
 
 _LATER = {
     "Animation": "flatland2d.rendering.film",
+    "PicturePage": "flatland2d.picture_page",
     "Recorder": "flatland2d.recorder",
     "SimulationBatch": "flatland2d.batch.simulation_batch",
 }
@@ -76,6 +78,7 @@ __all__ = [
     "MissingPackageError",
     "ModelError",
     "ModelHandle",
+    "PicturePage",
     "PluginDeclaration",
     "PluginError",
     "PluginLoader",

@@ -89,6 +89,15 @@ class Environment:
         """The output of its Python."""
         return run(self.python, *arguments, **variables)
 
+    def start(self, *arguments, **variables):
+        """A process of its Python."""
+        return subprocess.Popen(
+            [self.python, *arguments],
+            stdout=subprocess.PIPE,
+            text=True,
+            env={**environment(), **variables},
+        )
+
     def command(self, name, *arguments, **variables):
         """The output of a command that a package has installed."""
         return run(self.folder / "bin" / name, *arguments, **variables)

@@ -4,8 +4,10 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
+import urllib.request
 import xml.etree.ElementTree as ElementTree
 import zipfile
 from pathlib import Path
@@ -121,6 +123,19 @@ def test_the_script_of_the_guide_drives_and_scans(library):
 
 def test_no_module_needs_ros(library):
     assert library.run("-c", IMPORT_ALL).strip() == "[]"
+
+
+def test_the_page_is_viewed_with_what_the_library_itself_needs(library):
+    process = library.start("-m", "flatland2d", "view", "office", BROWSER="true")
+    try:
+        url = re.fullmatch(r"page: (.*/)\?token=.*\n", process.stdout.readline())[1]
+        page = urllib.request.urlopen(url).read().decode()
+        for file in re.findall(r'(?:src|href)="(\w+\.\w+)"', page):
+            assert urllib.request.urlopen(url + file).status == 200
+        process.send_signal(signal.SIGINT)
+        assert process.wait(60) == 0
+    finally:
+        process.kill()
 
 
 def test_the_plugins_are_found(library):

@@ -35,14 +35,18 @@ _MMAP_THRESHOLD, _LARGE_BLOCK = -3, 131_072
 
 
 def serve_clients(
-    graph: Graph, rosbridge_port: int, foxglove_port: int, access: Access, client_memory: int
+    graph: Graph,
+    rosbridge_port: int,
+    foxglove_port: Optional[int],
+    access: Access,
+    client_memory: int,
 ) -> WebSocketServer:
     """Serves the clients of all protocols, until it is closed.
 
     Args:
         graph: the topics and services.
         rosbridge_port: of rosbridge and the page; 0 takes a free one.
-        foxglove_port: of Foxglove; 0 takes a free one.
+        foxglove_port: of Foxglove; 0 takes a free one, None serves no Foxglove.
         access: who may connect.
         client_memory: bytes that are kept for each client.
 
@@ -51,20 +55,23 @@ def serve_clients(
     """
     _return_large_blocks()
     pool, providers = ThreadPoolExecutor(_WORKERS, "service"), Providers()
-    endpoints = (
+    endpoints = [
         Endpoint(
             ROSBRIDGE,
             rosbridge_port,
             lambda budget: RosbridgeSession(graph, pool, providers, budget),
             has_page=True,
-        ),
-        Endpoint(
-            FOXGLOVE,
-            foxglove_port,
-            lambda budget: FoxgloveSession(graph, pool, budget),
-            SUBPROTOCOLS,
-        ),
-    )
+        )
+    ]
+    if foxglove_port is not None:
+        endpoints.append(
+            Endpoint(
+                FOXGLOVE,
+                foxglove_port,
+                lambda budget: FoxgloveSession(graph, pool, budget),
+                SUBPROTOCOLS,
+            )
+        )
     return WebSocketServer(endpoints, access, client_memory)
 
 
@@ -85,7 +92,7 @@ def _dds_server(graph: Graph, access: Access, distribution: str) -> "DdsServer":
         if error.name is None or error.name.startswith("flatland"):
             raise
         raise MissingPackageError(
-            f"--ros2 needs {error.name}: pip install 'flatland2d[bridge,ros2]'"
+            f"--ros2 needs {error.name}: pip install 'flatland2d[ros2]'"
         ) from None
     if access.token is not None:
         raise BridgeError("DDS has no token: leave out either --token or --ros2")
@@ -107,11 +114,12 @@ class Server:
         is_paused: whether it begins with a pause.
         access: who may connect.
         rosbridge_port: of rosbridge and the page; 0 takes a free one.
-        foxglove_port: of Foxglove; 0 takes a free one.
+        foxglove_port: of Foxglove; 0 takes a free one, None serves no Foxglove.
         client_memory: bytes that are kept for each client; beyond them it is disconnected.
         wall_clock_stamps: whether stamps are of real time, without /clock; the rate has to be 1.
         tf_by_namespace: whether transforms of robots in namespaces go to NAMESPACE/tf.
         ros2: the distribution of the ROS 2 nodes that get the topics over DDS; None for no DDS.
+        with_history: whether states are kept for /seek.
 
     Attributes:
         dds: what serves ROS 2, if anything.
@@ -134,11 +142,12 @@ class Server:
         is_paused: bool = False,
         access: Access = Access(),  # noqa: B008 (immutable)
         rosbridge_port: int = 9090,
-        foxglove_port: int = 8765,
+        foxglove_port: Optional[int] = 8765,
         client_memory: int = CLIENT_MEMORY,
         wall_clock_stamps: bool = False,
         tf_by_namespace: bool = False,
         ros2: Optional[str] = None,
+        with_history: bool = False,
     ) -> None:
         self.transport = SharedTransport(params)
         self.transport.tf_by_namespace = tf_by_namespace
@@ -158,7 +167,7 @@ class Server:
             stack.callback(set_stamp_offset, 0)  # for other simulations of this process
             self.manager.is_paused = is_paused
             name = str(world) if isinstance(world, (str, PathLike)) else None
-            self.graph = SimulatedGraph(self.manager, state_folder, name)
+            self.graph = SimulatedGraph(self.manager, state_folder, name, with_history=with_history)
             self.clients = serve_clients(
                 self.graph, rosbridge_port, foxglove_port, access, client_memory
             )

@@ -13,6 +13,7 @@ from flatland_bridge.sample import Sample
 from flatland_bridge.shared_transport import SharedTransport
 from flatland_bridge.simulation_interfaces import SimulationInterfaces
 from flatland_server.config.shipped_worlds import shipped_worlds
+from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Transform
 from flatland_server.hub.assembly import open_hub
 from flatland_server.hub.client_files import ClientFiles
@@ -42,6 +43,7 @@ class SimulatedGraph(Graph, Tap):
         manager: the simulation; its transport must be a `SharedTransport`.
         state_folder: where clients may save and load states; by default they cannot.
         world_name: under which clients find the first world, besides its path; if any.
+        with_history: whether states are kept for /seek.
     """
 
     def __init__(
@@ -49,6 +51,8 @@ class SimulatedGraph(Graph, Tap):
         manager: SimulationManager,
         state_folder: Optional[Path] = None,
         world_name: Optional[str] = None,
+        *,
+        with_history: bool = False,
     ) -> None:
         assert isinstance(manager.transport, SharedTransport)
         self._transport = manager.transport
@@ -67,7 +71,7 @@ class SimulatedGraph(Graph, Tap):
             manager.world, state_folder or manager.world.config.model_folders[0], world_name
         )
         refused = ("save_state", "load_state", "save_world") if state_folder is None else ()
-        self._hub = open_hub(manager, files, refused=refused)
+        self._hub = open_hub(manager, files, with_history=with_history, refused=refused)
         SimulationInterfaces(self._hub, files.worlds)
         self._services = {f"/{name}": each for name, each in self._hub.services.items()}
         self._topics_timer = RealTimeTimer(_TOPICS_PERIOD)
@@ -145,6 +149,8 @@ class SimulatedGraph(Graph, Tap):
         response = self._services[service].answer(request)
         if getattr(response, "success", True):
             self._transport.call(self._follow_topics)  # so that the client finds new ones at once
+            if service == "/seek":
+                self._transport.call(self._measure)
         return response
 
     # Tap: on the simulation's thread
@@ -175,6 +181,12 @@ class SimulatedGraph(Graph, Tap):
         if self._topics_timer.check_update():
             self._follow_subscribers()
             self._follow_topics()
+
+    def _measure(self) -> None:
+        """Publishes what sensors measure now, without a step."""
+        for topic in self._wanted & set(self._transport.topics):
+            plugins = self._manager.world.contents.plugins
+            plugins.publish_now(topic, self._manager.timekeeper)
 
     def _follow_subscribers(self) -> None:
         """Tells plugins which topics have subscribers."""
@@ -212,6 +224,8 @@ class SimulatedGraph(Graph, Tap):
 class _WorldsByName(ClientFiles):
     """Clients name shipped worlds, that of the beginning, and files in the folders of the world.
 
+    A world that they save may have a relative path, which begins in the folder of states.
+
     Args:
         world: the simulated world.
         state_folder: as for `ClientFiles`.
@@ -220,6 +234,7 @@ class _WorldsByName(ClientFiles):
 
     def __init__(self, world: World, state_folder: Path, name: Optional[str]) -> None:
         super().__init__(world, state_folder)
+        self._folder = state_folder.absolute()
         path = world.config.path
         self._first = {} if path is None else {str(path.absolute()): path, str(path): path}
         if path is not None and name is not None:
@@ -232,3 +247,8 @@ class _WorldsByName(ClientFiles):
     def world_file(self, name: str) -> Path:
         worlds = {**shipped_worlds(), **self._first}
         return worlds.get(name) or super().world_file(name)
+
+    def written_world(self, name: str) -> Path:
+        if not name and self._world.config.path in shipped_worlds().values():
+            raise FlatlandError("the world is one of Flatland's own; save a copy of it")
+        return super().written_world(str(self._folder / name) if name else name)

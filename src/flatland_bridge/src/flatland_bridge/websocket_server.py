@@ -40,14 +40,9 @@ logger = logging.getLogger(__name__)
 
 PAGE = Path(__file__).parent / "page"
 
-_FILES = {
-    "/": ("index.html", "text/html"),
-    "/page.css": ("page.css", "text/css"),
-    "/page.js": ("page.js", "text/javascript"),
-    "/poses.js": ("poses.js", "text/javascript"),
-    "/view.js": ("view.js", "text/javascript"),
-    "/rosbridge.js": ("rosbridge.js", "text/javascript"),
-}
+_KINDS = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
+_FILES = {f"/{file.name}": file for file in PAGE.iterdir() if file.suffix in _KINDS}
+_FILES["/"] = _FILES.pop("/index.html")
 """All that the server has of the file system, by its path in the URL."""
 
 MOST_CLIENTS = 64
@@ -385,12 +380,13 @@ class _LoopErrors:
 def _file(path: str) -> Response:
     status, content, kind = HTTPStatus.NOT_FOUND, b"there is no such page\n", "text/plain"
     if path in _FILES:
-        name, kind = _FILES[path]
-        status, content = HTTPStatus.OK, (PAGE / name).read_bytes()
+        status, content = HTTPStatus.OK, _FILES[path].read_bytes()
+        kind = _KINDS[_FILES[path].suffix]
     headers: Dict[str, str] = {
         "Content-Type": f"{kind}; charset=utf-8",
         "Content-Length": str(len(content)),
-        "Content-Security-Policy": "default-src 'self'; img-src data:; connect-src 'self' ws: wss:",
+        "Content-Security-Policy": "default-src 'self'; img-src data:; "
+        "connect-src 'self' ws: wss:; frame-ancestors 'none'",
         "Cache-Control": "no-store",
         "Connection": "close",
     }

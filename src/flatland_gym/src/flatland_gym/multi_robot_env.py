@@ -9,7 +9,7 @@ from gymnasium.utils import seeding
 from flatland2d import MissingPackageError, UsageError
 from flatland_gym.episodes import options_of
 from flatland_gym.navigation import Navigation, row_of
-from flatland_gym.pictures import Window, check_render_mode, usable
+from flatland_gym.pictures import check_render_mode, page_of
 from flatland_gym.settings import NavigationSettings, require_seed
 from flatland_gym.team import STATE_SIZE, Team, check_team
 from flatland_server import FloatArray, IntArray
@@ -35,7 +35,7 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
     Args:
         robots: how many there are, two at least: each one like the world's robot.
         render_mode: None, or the surroundings of the first robot that is there: "rgb_array", or
-            "human" (a window).
+            "human" (a page in the browser).
         at_goal: "leave", or "stay": a robot that has reached its goal stops and stays in the world,
             where others see and hit it. Its episode has ended, too.
         shared_rewards: the part of each reward that is replaced by the mean of the rewards of all
@@ -61,13 +61,13 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         self.metadata = {
             **navigation.metadata,
             "name": "flatland_navigation_v0",
-            "render_modes": usable(_RENDER_MODES),
+            "render_modes": list(_RENDER_MODES),
             "is_parallelizable": True,
         }
         self._team = Team(navigation, at_goal, shared_rewards)
         self.state_space = spaces.Box(-np.inf, np.inf, (STATE_SIZE * int(robots),), np.float32)
         self.render_mode = render_mode
-        self._window = Window("Flatland", settings.period)
+        self._page = page_of(render_mode, settings.period)
         self.possible_agents = list(navigation.robot_names)
         self.agents: List[str] = []
         self._rng: Optional[np.random.Generator] = None
@@ -140,20 +140,21 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         return self._team.state()[0]
 
     def render(self) -> Any:
-        """A picture: uint8, shape (480, 480, 3); None without one, or if a window shows it."""
+        """A picture: uint8, shape (480, 480, 3); None without one, or if a page shows it."""
         if self.render_mode is None or not self.agents:
             return None
         frame = self._navigation.picture(int(self._rows()[0]))
-        if self.render_mode == "rgb_array":
+        if self._page is None:
             return frame
-        self._window.show(frame)
+        self._page.show(frame)
         return None
 
     def close(self) -> None:
-        """Ends the simulation, and closes the window."""
+        """Ends the simulation, and closes the page."""
         self.agents = []
         self._navigation.close()
-        self._window.close()
+        if self._page is not None:
+            self._page.close()
 
     def _rows(self) -> IntArray:
         """The rows of the robots that are there."""

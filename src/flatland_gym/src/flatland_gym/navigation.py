@@ -15,7 +15,7 @@ from flatland_gym.fleet import Fleet, Motions
 from flatland_gym.judging import judge
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.observations import as_dict, goal_distances, neighbor_rows
-from flatland_gym.pictures import RENDER_MODES, picture, status_line, usable
+from flatland_gym.pictures import RENDER_MODES, picture, status_line
 from flatland_gym.policy import Policy
 from flatland_gym.rewards import OtherModels, Transition
 from flatland_gym.settings import NavigationSettings
@@ -69,7 +69,7 @@ class Navigation:
     ) -> None:
         self.settings = settings
         self.metadata: Dict[str, Any] = {
-            "render_modes": usable(RENDER_MODES),
+            "render_modes": list(RENDER_MODES),
             "render_fps": round(1.0 / settings.period, 3),
         }
         self._worlds = [

@@ -9,7 +9,7 @@ from gymnasium import spaces
 from flatland2d import UsageError
 from flatland2d.rendering.film import side_by_side
 from flatland_gym.navigation import row_of
-from flatland_gym.pictures import RENDER_MODES, Window, check_render_mode
+from flatland_gym.pictures import RENDER_MODES, check_render_mode, page_of
 from flatland_gym.settings import NavigationSettings, require_seed
 from flatland_gym.single_navigation import SingleNavigation
 
@@ -22,7 +22,7 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
     docs/learning.md describes observations, actions and rewards.
 
     Args:
-        render_mode: None, "human" (a window), "rgb_array" or "ansi" (a line of text).
+        render_mode: None, "human" (a page in the browser), "rgb_array" or "ansi" (a line of text).
         arguments: the attributes of `NavigationSettings`.
 
     Raises:
@@ -40,7 +40,7 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         self.metadata = self.navigation.metadata
         self.action_space: spaces.Box = self.navigation.action_space
         self.observation_space = self.navigation.observation_space
-        self._window = Window("Flatland", self.navigation.settings.period)
+        self._page = page_of(render_mode, self.navigation.settings.period)
         self._is_running = False
 
     @property
@@ -106,9 +106,9 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         if self.render_mode == "ansi":
             return self.navigation.status(0)
         frame = self.navigation.picture(0)
-        if self.render_mode == "rgb_array":
+        if self._page is None:
             return frame
-        self._window.show(frame)
+        self._page.show(frame)
         return None
 
     def _repr_png_(self) -> Optional[bytes]:
@@ -116,10 +116,11 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         return side_by_side([self.navigation.picture(0)]) if self._is_running else None
 
     def close(self) -> None:
-        """Ends the simulation, and closes the window."""
+        """Ends the simulation, and closes the page."""
         self._is_running = False
         self.navigation.close()
-        self._window.close()
+        if self._page is not None:
+            self._page.close()
 
     def _observation(self) -> Any:
         return self.navigation.formed(self.navigation.observe()[0])

@@ -1,21 +1,16 @@
-"""Rendering of environments: pictures, a window, and a line of text."""
+"""Rendering of environments: pictures, and a line of text."""
 
-import importlib.util
-import logging
-import os
-from typing import Any, List, Optional, Sequence
+from typing import TYPE_CHECKING, Any, Optional, Sequence
 
 import numpy as np
 from PIL import Image, ImageDraw
 
-from flatland2d import MissingPackageError, Point, Pose, Simulation, UsageError
+from flatland2d import Point, Pose, Simulation, UsageError
 
-logger = logging.getLogger(__name__)
+if TYPE_CHECKING:
+    from flatland2d import PicturePage
 
 RENDER_MODES = ("human", "rgb_array", "ansi")
-
-_WITHOUT_SCREEN = ("dummy", "evdev", "offscreen")
-"""SDL's video drivers without output, its possible choices on a machine without a screen."""
 
 _SIZE = (480, 480)  # px
 _WIDTH = 10.0  # m
@@ -65,71 +60,15 @@ def check_render_mode(mode: Optional[str], modes: Sequence[str] = RENDER_MODES) 
         raise UsageError(f"expected render_mode None or one of {known}, found {mode!r}")
 
 
-def usable(modes: Sequence[str]) -> List[str]:
-    """The render modes for which the packages are installed."""
-    has_pygame = importlib.util.find_spec("pygame") is not None
-    return [mode for mode in modes if mode != "human" or has_pygame]
-
-
-class Window:
-    """A window that shows pictures in real time; opened with the first one.
-
-    Without a screen, nothing is shown, and the log says so once.
+def page_of(mode: Optional[str], period: float) -> "Optional[PicturePage]":
+    """The page that shows an environment in real time; None in other modes than "human".
 
     Args:
-        title: of the window.
+        mode: the render mode.
         period: simulated time between two pictures [s].
     """
+    if mode != "human":
+        return None
+    from flatland2d import PicturePage  # imports a web server
 
-    def __init__(self, title: str, period: float) -> None:
-        self._title = title
-        self._rate = 1.0 / period
-        self._pygame: Any = None
-        self._screen: Any = None  # None: there is none
-
-    def show(self, frame: Any) -> None:
-        """Shows a picture, and waits until the time of the next one.
-
-        Raises:
-            MissingPackageError: pygame is not installed.
-        """
-        if self._pygame is None:
-            self._open()
-        if self._screen is None:
-            return
-        pygame = self._pygame
-        pygame.event.pump()
-        surface = pygame.surfarray.make_surface(frame.transpose(1, 0, 2))
-        self._screen.blit(surface, (0, 0))
-        pygame.display.flip()
-        self._clock.tick(self._rate)
-
-    def close(self) -> None:
-        """Closes the window."""
-        if self._pygame is not None:
-            self._pygame.display.quit()
-            self._pygame = self._screen = None
-
-    def _open(self) -> None:
-        try:
-            import pygame
-        except ImportError:
-            raise MissingPackageError(
-                "render_mode=\"human\" needs pygame: pip install 'flatland2d[view]'"
-            ) from None
-        self._pygame = pygame
-        reason = "there is no screen"
-        try:
-            pygame.display.init()
-            driver = pygame.display.get_driver()
-            if driver not in _WITHOUT_SCREEN or "SDL_VIDEODRIVER" in os.environ:
-                self._screen = pygame.display.set_mode(_SIZE)
-        except pygame.error as error:
-            reason = str(error)
-        if self._screen is None:
-            logger.warning(
-                'the window cannot be opened: %s; render_mode="rgb_array" needs none', reason
-            )
-            return
-        pygame.display.set_caption(self._title)
-        self._clock = pygame.time.Clock()
+    return PicturePage("Flatland", 1.0 / period)

@@ -27,7 +27,6 @@ LAYERS = (  # each may import those before it
     "flatland2d",  # Simulation and the objects that it returns
     "flatland2d.batch",
     "flatland2d.sweep",
-    "flatland2d.viewer",
     "flatland2d.cli",
 )
 """Folders of flatland_server, then those of flatland2d."""

@@ -1,4 +1,4 @@
-"""The keys that drive robots: the same in the window, in `flatland view` and in terminals.
+"""The keys that drive robots: the same in the window, in terminals, and in the page's driving.js.
 
 Keys have the names "up", "down", "left", "right" (arrows), and small letters.
 """

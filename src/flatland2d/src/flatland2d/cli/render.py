@@ -1,7 +1,9 @@
 """flatland render: draws a world into a file."""
 
 import argparse
+import math
 from pathlib import Path
+from typing import List, Optional, Tuple
 
 from flatland2d.cli.arguments import (
     Subparsers,
@@ -12,9 +14,11 @@ from flatland2d.cli.arguments import (
     size,
 )
 from flatland2d.simulation import Simulation
-from flatland2d.viewer.trail import Trail
+from flatland_server.exceptions import FlatlandError
+from flatland_server.geometry import Point, Pose
 
 _TRAIL_PERIOD = 0.05  # s
+_TRAIL_STEP = 0.05  # m
 
 
 def add_parser(commands: Subparsers) -> None:
@@ -64,12 +68,11 @@ def add_parser(commands: Subparsers) -> None:
 def _execute(options: argparse.Namespace) -> int:
     with open_simulation(options) as simulation:
         steps = round(options.time / simulation.step_size)
-        trail = Trail(simulation)
-        if options.trail is None:
-            if steps:
-                simulation.step(steps)
-        else:
-            _follow(trail, simulation.models[options.trail].name, simulation, steps)
+        trails: List[List[Point]] = []
+        if options.trail is not None:
+            trails = _trails(options.trail, simulation, steps)
+        elif steps:
+            simulation.step(steps)
         simulation.save_picture(
             options.output,
             options.size,
@@ -77,15 +80,33 @@ def _execute(options: argparse.Namespace) -> int:
             width=options.width,
             sensors=options.sensors,
             names=options.names,
-            trails=trail.lines,
+            trails=trails,
         )
     return 0
 
 
-def _follow(trail: Trail, model: str, simulation: Simulation, steps: int) -> None:
-    """Makes steps, and notes the way of a model."""
+def _trails(name: str, simulation: Simulation, steps: int) -> List[List[Point]]:
+    """Makes steps, and returns the way of a model, and the way that its odometry believes in.
+
+    Odometry is in a frame of its own: it begins where the model is at its first message.
+    """
+    model = simulation.models[name]
+    drive = next(iter(model.drives), "")
+    way: List[Point] = []
+    belief: List[Point] = []
+    anchor: Optional[Tuple[Pose, Pose]] = None
     period = max(1, round(_TRAIL_PERIOD / simulation.step_size))
-    trail.note(model, reads_odometry=True)
-    for done in range(0, steps, period):
-        simulation.step(min(period, steps - done))
-        trail.note(model, reads_odometry=True)
+    for done in range(0, steps + 1, period):
+        place = model.model.pose
+        if not way or math.dist(way[-1], place[:2]) >= _TRAIL_STEP:
+            way.append(place[:2])
+            try:
+                estimate = model.sensors[drive].read().pose if drive in model.sensors else None
+            except FlatlandError:  # none yet
+                estimate = None
+            if estimate is not None:
+                anchor = anchor or (place, estimate)
+                belief.append(anchor[0].compose(anchor[1].inverse().compose(estimate))[:2])
+        if done < steps:
+            simulation.step(min(period, steps - done))
+    return [line for line in (way, belief) if line]

@@ -5,8 +5,8 @@ import math
 import os
 import secrets
 import sys
-import webbrowser
 from pathlib import Path
+from typing import Any
 
 from flatland2d.cli.arguments import Subparsers, add_world, positive, whole_from
 from flatland2d.cli.run import interrupts
@@ -24,7 +24,6 @@ def add_parser(commands: Subparsers) -> None:
         "roslibpy, and Foxglove. Ctrl-C ends it.",
     )
     add_world(parser)
-    parser.add_argument("--open", action="store_true", help="open the page in a browser")
     parser.add_argument(
         "--rate",
         type=_rate,
@@ -99,22 +98,35 @@ def add_parser(commands: Subparsers) -> None:
     parser.set_defaults(execute=_execute, parser=parser)
 
 
-def _execute(options: argparse.Namespace) -> int:
+def bridge(command: str) -> Any:
+    """The module of the bridge's server, which only this and `flatland view` import.
+
+    Args:
+        command: that needs it.
+
+    Raises:
+        MissingPackageError: a package that it needs is missing.
+    """
     try:
-        from flatland_bridge.server import FOXGLOVE, ROSBRIDGE, Server
-        from flatland_bridge.websocket_server import Access
+        from flatland_bridge import server
     except ImportError as error:
         if error.name is None or error.name.startswith("flatland"):
             raise
         raise MissingPackageError(
-            f"flatland serve needs {error.name}: pip install 'flatland2d[bridge]'"
+            f"flatland {command} needs {error.name}: "
+            "pip install 'cbor2>=6.2' orjson 'websockets>=14'"
         ) from None
+    return server
+
+
+def _execute(options: argparse.Namespace) -> int:
+    parts = bridge("serve")
     token = secrets.token_urlsafe(16) if options.token is True else options.token
-    access = Access(options.host, token, options.origin)
+    access = parts.Access(options.host, token, options.origin)
     if not access.is_local:
         known = "who knows the token" if token else "on the network"
         print(f"warning: everyone {known} can control the simulation", file=sys.stderr)
-    server = Server(
+    server = parts.Server(
         options.world,
         seed=options.seed,
         step_size=options.step_size,
@@ -132,14 +144,11 @@ def _execute(options: argparse.Namespace) -> int:
         ros2=options.ros2,
     )
     with server, interrupts() as is_interrupted:
-        page = server.clients.url(ROSBRIDGE, "http")
-        print(f"page: {page}")
-        print(f"rosbridge: {server.clients.url(ROSBRIDGE, 'ws')}")
-        print(f"Foxglove: {server.clients.url(FOXGLOVE, 'ws')}", flush=True)
+        print(f"page: {server.clients.url(parts.ROSBRIDGE, 'http')}")
+        print(f"rosbridge: {server.clients.url(parts.ROSBRIDGE, 'ws')}")
+        print(f"Foxglove: {server.clients.url(parts.FOXGLOVE, 'ws')}", flush=True)
         if server.dds is not None:
             print(f"ROS 2: domain {server.dds.domain}, {options.ros2}", flush=True)
-        if options.open:
-            webbrowser.open(page)
         server.run(lambda: not is_interrupted())
     return 0
 

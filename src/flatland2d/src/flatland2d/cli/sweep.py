@@ -86,7 +86,7 @@ def add_parser(commands: Subparsers) -> None:
         "--replay", type=whole_from(1), metavar="ID", help="run one scenario alone, by its number"
     )
     parser.add_argument(
-        "--view", action="store_true", help="with --replay: show the run in a window"
+        "--view", action="store_true", help="with --replay: show the run in the browser"
     )
     parser.add_argument(
         "--record",

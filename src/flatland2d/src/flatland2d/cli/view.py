@@ -1,26 +1,27 @@
-"""flatland view: a window on a world."""
+"""flatland view: a world on a page in the browser."""
 
 import argparse
+import secrets
+from pathlib import Path
+from urllib.parse import quote
 
-from flatland2d.cli.arguments import Subparsers, add_world, open_simulation, positive, size
-from flatland2d.viewer.keys import help_lines
-from flatland2d.viewer.viewer import Viewer
+from flatland2d.browser import open_in_browser
+from flatland2d.cli.arguments import Subparsers, add_world, positive, whole_from
+from flatland2d.cli.run import interrupts
+from flatland2d.cli.serve import bridge
+from flatland_server.config.shipped_worlds import shipped_worlds
 
 
 def add_parser(commands: Subparsers) -> None:
     """Adds the subcommand."""
     parser = commands.add_parser(
         "view",
-        help="show a world in a window, and drive its robots",
-        description="Show a world in a window, and drive its robots by the keyboard.",
-        epilog="keys:\n" + "\n".join(f"  {line}" for line in help_lines()),
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        help="show a world in the browser, and drive its robots",
+        description="Show a world on a page in the browser, and drive its robots; F1 shows the "
+        "page's keys. Ctrl-C ends it.",
     )
     add_world(parser)
     parser.add_argument("--follow", metavar="MODEL", help="keep this model in the middle")
-    parser.add_argument(
-        "--size", type=size, default=(1280, 800), metavar="WxH", help="of the window [px]"
-    )
     parser.add_argument(
         "--rate",
         type=positive,
@@ -28,13 +29,33 @@ def add_parser(commands: Subparsers) -> None:
         metavar="R",
         help="simulated seconds per second of real time (default: 1)",
     )
+    parser.add_argument(
+        "--port", type=whole_from(0), default=0, help="of the page; by default a free one"
+    )
     parser.set_defaults(execute=_execute)
 
 
 def _execute(options: argparse.Namespace) -> int:
-    from flatland2d.viewer.window import Window  # needs pygame
-
-    with open_simulation(options, raise_failures=False) as simulation:
-        viewer = Viewer(simulation, options.size, rate=options.rate, follow=options.follow)
-        Window(viewer, f"{options.world} - Flatland").run()
+    parts = bridge("view")
+    is_shipped = options.world in shipped_worlds()
+    server = parts.Server(
+        options.world,
+        seed=options.seed,
+        step_size=options.step_size,
+        rate=options.rate,
+        params=dict(options.params),
+        model_folders=options.models,
+        state_folder=Path.cwd() if is_shipped else Path(options.world).absolute().parent,
+        access=parts.Access(token=secrets.token_urlsafe(16)),
+        rosbridge_port=options.port,
+        foxglove_port=None,
+        with_history=True,
+    )
+    with server, interrupts() as is_interrupted:
+        page = server.clients.url(parts.ROSBRIDGE, "http")
+        if options.follow is not None:
+            server.manager.world.get_model(options.follow)
+            page += f"&follow={quote(options.follow)}"
+        open_in_browser(page)
+        server.run(lambda: not is_interrupted())
     return 0

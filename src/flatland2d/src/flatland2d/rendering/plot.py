@@ -34,9 +34,7 @@ def plot(
         try:
             from matplotlib import pyplot
         except ImportError:
-            raise MissingPackageError(
-                "a plot needs Matplotlib: pip install 'flatland2d[view]'"
-            ) from None
+            raise MissingPackageError("a plot needs Matplotlib: pip install matplotlib") from None
         ax = pyplot.gca()
     view = view or renderer.view()
     image = renderer.image(view, sensors=sensors, names=names)

@@ -1,7 +1,7 @@
 """The section of the world that a picture shows, and its scale."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Tuple
 
 import numpy as np
@@ -85,26 +85,6 @@ class View:
         left, top = self.position((0, 0))
         right, bottom = self.position(self.size)
         return left, right, bottom, top
-
-    def panned(self, columns: int, rows: int) -> "View":
-        """The view after its contents were dragged to the right and downwards [px]."""
-        return replace(self, left=self.left - columns, top=self.top - rows)
-
-    def zoomed(self, factor: float, pixel: Point) -> "View":
-        """The view enlarged by a factor; the position at a pixel stays there."""
-        scale = min(max(self.scale * factor, _SCALES[0]), _SCALES[1])
-        x, y = self.position(pixel)
-        return replace(
-            self, left=round(x * scale - pixel[0]), top=round(-y * scale - pixel[1]), scale=scale
-        )
-
-    def centered(self, center: Point) -> "View":
-        """The view with another position [m] in its middle."""
-        return View.around(center, self.scale, self.size)
-
-    def resized(self, size: Size) -> "View":
-        """The view in another size, with the same position in its middle."""
-        return View.around(self.center, self.scale, size)
 
 
 def fitting_size(low: Point, high: Point, longest: int) -> Size:

@@ -339,5 +339,5 @@ def test_a_plot_is_in_metres(simulation):
 def test_a_plot_without_matplotlib_is_an_error(simulation, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
 
-    with pytest.raises(FlatlandError, match="pip install 'flatland2d\\[view\\]'"):
+    with pytest.raises(FlatlandError, match="pip install matplotlib"):
         plot(Renderer(simulation.world))

@@ -42,32 +42,9 @@ def test_an_area_without_extent_shows_its_surroundings(low):
     assert 2.0 <= top - bottom < 3.0
 
 
-def test_zooming_keeps_the_position_at_a_pixel():
-    view = View.around((1, 2), 20.0, (300, 200))
-
-    zoomed = view.zoomed(1.5, (70, 30))
-
-    assert zoomed.scale == pytest.approx(30.0)
-    assert zoomed.position((70, 30)) == pytest.approx(view.position((70, 30)), abs=1 / 30)
-
-
-def test_zooming_ends_before_numbers_get_too_large():
-    view = View.around((1, 2), 20.0, (300, 200))
-
-    assert view.zoomed(1e-9, (0, 0)).scale == 0.01
-    assert view.zoomed(1e9, (0, 0)).scale == 1e4
-
-
-def test_dragging_moves_what_is_shown_with_the_mouse():
-    view = View.around((0, 0), 20.0, (300, 200))
-
-    assert view.panned(40, -20).center == (-2.0, -1.0)
-
-
-def test_another_size_keeps_the_middle():
-    view = View.around((0.5, 0), 20.0, (300, 200))
-
-    assert view.resized((640, 480)).center == view.center
+def test_the_scale_ends_before_numbers_get_too_large():
+    assert View.around((1, 2), 1e-9, (300, 200)).scale == 0.01
+    assert View.around((1, 2), 1e9, (300, 200)).scale == 1e4
 
 
 @pytest.mark.parametrize("size", [(0, 10), (10, 16385), (3.5, 4), (3,), "big", 7, (math.nan, 3)])

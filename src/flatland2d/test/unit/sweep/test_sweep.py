@@ -3,13 +3,14 @@
 import base64
 import csv
 import importlib.util
-import itertools
 import json
 import os
 import re
 import signal
 import subprocess
 import sys
+import threading
+import urllib.request
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +18,6 @@ import pytest
 from waiting import wait_until
 
 from flatland2d.cli import main
-from flatland2d.cli.sweep_replay import RunViewer
 from flatland2d.sweep import ray_pool
 from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.settings import scenarios_of
@@ -216,40 +216,7 @@ def test_the_report_stands_alone_and_shows_runs_without_success(settings_of, cap
         assert "no results.parquet: a Parquet file needs pyarrow" in output.err
 
 
-class Window:
-    """In place of the real one: frames of 0.1 s, closed after some."""
-
-    frames = 0
-
-    def __init__(self, viewer, title):
-        self.viewer, self.title = viewer, title
-        Window.shown, Window.count = self, 0
-
-    @property
-    def is_open(self):
-        return Window.count < Window.frames
-
-    def show_frame(self):
-        Window.count += 1
-        self.viewer.reset()
-        self.viewer.advance(0.1)
-        self.viewer.image()
-
-    def close(self):
-        pass
-
-
-draw = RunViewer.image
-
-
-def draw_once(viewer):
-    """The first picture, and then none: they take longer than the run."""
-    if Window.count == 1:
-        assert draw(viewer).size == viewer.view.size
-
-
 def test_a_scenario_is_replayed_alone(settings_of, capsys, monkeypatch):
-    pytest.importorskip("pygame")
     settings_of(**QUICK, seeds=3)
     arguments = ["sweep", "scenarios.yaml", "--out", "out"]
     assert main([*arguments, "--jobs", "1"]) == 0
@@ -262,23 +229,29 @@ def test_a_scenario_is_replayed_alone(settings_of, capsys, monkeypatch):
     assert f"path_length: {row['path_length']}\n" in output
     assert output.endswith("the same as in out\n")
 
-    monkeypatch.setattr("flatland2d.viewer.window.Window", Window)
-    Window.frames = 10_000
-    monkeypatch.setattr(RunViewer, "image", draw_once)
-    ended = itertools.count()
+    pages = []
     monkeypatch.setattr(
-        RunViewer,
-        "end",
-        lambda self, outcome: setattr(Window, "frames", Window.count + 2 + next(ended)),
+        "flatland2d.picture_page.open_in_browser", lambda url: pages.append(Thread(url))
     )
+    monkeypatch.setattr("flatland2d.cli.sweep_replay._RATE", 1000.0)
     assert main([*arguments, "--replay", "2", "--view"]) == 0
     assert capsys.readouterr().out == output
-    assert Window.shown.title.startswith("scenario 2 (world ")
-    assert Window.count >= float(row["time"]) / 0.1
+    [thread] = pages
+    thread.join()
+    assert thread.count > 2
 
-    Window.frames = 3  # closed in the middle of the run
-    assert main([*arguments, "--replay", "2", "--view"]) == 0
-    assert capsys.readouterr().out == ""
+
+class Thread(threading.Thread):
+    """A browser that shows a page of pictures until it ends; counts them."""
+
+    def __init__(self, url):
+        super().__init__()
+        self.url = url
+        self.start()
+
+    def run(self):
+        with urllib.request.urlopen(f"{self.url}pictures") as stream:
+            self.count = stream.read().count(b"Content-Type: image/jpeg")
 
 
 def test_a_replay_is_recorded(settings_of, capsys):

@@ -1,40 +1,43 @@
-// The page: shows the world, and lets its user drive, pause, step, reset, spawn, move and delete.
+// The page: shows the world and its past, and lets its user drive, spawn, move, delete, undo and save.
 
-import {Poses, compose, seconds} from "./poses.js";
+import {Driving, driveTopic, nameOf, topicsOfType} from "./driving.js";
+import {Poses, seconds} from "./poses.js";
 import {Rosbridge} from "./rosbridge.js";
+import {Scans} from "./scans.js";
+import {Trail} from "./trail.js";
 import {View} from "./view.js";
 
 const NODE = "/flatland_server";
-const TWIST = "geometry_msgs/Twist";
-const KEYS = {
-  ArrowUp: [1, 0], w: [1, 0], ArrowDown: [-1, 0], s: [-1, 0],
-  ArrowLeft: [0, 1], a: [0, 1], ArrowRight: [0, -1], d: [0, -1],
-};
-const SPEED = {linear: 0.8, angular: 1.2};  // m/s, rad/s
-const MOST_WAITING = 100;  // scans
+const RATES = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];  // simulated seconds per second
+const STEP = 0.1;  // s
+const CLICK = 5;  // px: a pointer that moves farther is dragging
 
 const get = (id) => document.getElementById(id);
 const view = new View(get("view"));
 const models = new Map();  // flatland_msgs/ModelInfo by name
-const frames = new Map();  // by key: {parent, pose}, as /tf has them
-const bodyOf = new Map();  // "model/body" by the key of its frame
-const pressed = new Set();
-const scanTopics = new Map();  // those subscribed to: the namespace of the transforms
-const lost = new Map();  // the namespaces of transforms, by keys of scans' frames without a body
-let poses = new Poses();
-let waiting = [];  // {topic, message}: scans of which the poses are still to come
-let isPaused = false, isSpawning = false, drag = null, isDirty = true;
-
+const trail = new Trail();
 const server = new Rosbridge(
   `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/${location.search}`,
   (isOpen) => isOpen ? begin() : end(),
   (error) => say(error, "error"),
 );
+const scans = new Scans(server, view.scans, () => { isDirty = true; });
+const driving = new Driving(
+  (topic, type, message) => server.publish(topic, type, message),
+  () => isInPast() ? undefined : driveTopic(models.get(view.chosen)),
+);
+let poses = new Poses(), services = new Set(), odometry = null;  // odometry: the topic for the trail
+let state = {paused: false, time: 0, begin: 0, end: 0};
+let sought = null, isSeeking = false;  // a moment to seek; whether a call does it
+let isSpawning = false, drag = null, isDirty = true;
+let followed = new URLSearchParams(location.search).get("follow");  // once it is there
+
+/** True while an earlier moment is shown: the run can go on from there, as another one. */
+const isInPast = () => state.paused && state.time < state.end;
 
 /** kind: "error", "warning" or "". */
 function say(text, kind = "") {
-  get("status").textContent = text;
-  get("status").className = kind;
+  Object.assign(get("status"), {textContent: text, title: text, className: kind});
 }
 
 /** Shows a text above the world until it is over. */
@@ -42,10 +45,11 @@ function announce(text) {
   get("banner").textContent = text;
 }
 
-/** Calls a service, and says what it has done, or its warning. */
+/** Calls a service, and says what it has done, or its warning; without `done`, its own words. */
 function call(service, args, done) {
   return server.call(service, args).then((values) => {
-    say(values.message || done, values.message ? "warning" : "");
+    if (done === undefined) say(values.message);
+    else say(values.message || done, values.message ? "warning" : "");
     return values;
   }).catch((error) => say(error.message, "error"));
 }
@@ -53,46 +57,53 @@ function call(service, args, done) {
 function begin() {
   say("connected");
   poses = new Poses();
-  scanTopics.clear();
+  scans.begin();
+  trail.clear();
+  odometry = null;
   server.subscribe(`${NODE}/debug/walls`, (walls) => { view.setWalls(walls); isDirty = true; });
   server.subscribe(`${NODE}/models`, ({models}) => setModels(models));
   server.subscribe(`${NODE}/model_states`, setStates, {queue_length: 10});
   server.subscribe(`${NODE}/debug/models`, ({markers}) => { view.setShapes(markers); isDirty = true; },
     {throttle_rate: 500});
   server.subscribe(`${NODE}/state`, setState);
-  followFrames("/tf_static", new Set([""]));
-  subscribeScans();
+  server.call("/rosapi/services").then((values) => {
+    services = new Set(values.services);
+    get("save").disabled = !services.has("/save_world");
+  });
 }
 
 function end() {
-  announce("Not connected to the server. Trying again …");
+  announce("Not connected to the simulation. Trying again …");
   say("");
 }
 
+// Models
+
 function setModels(list) {
   models.clear();
-  bodyOf.clear();
-  lost.clear();
-  for (const model of list) {
-    models.set(model.name, model);
-    for (const body of model.bodies) {
-      bodyOf.set(keyOf(body.frame_id || body.name, tfOf(model)), `${model.name}/${body.name}`);
-    }
-  }
-  followFrames("/tf_static", new Set(["", ...list.map(tfOf)]));
+  for (const model of list) models.set(model.name, model);
   for (const body of poses.now.keys()) {
     if (!models.has(body.split("/")[0])) poses.now.delete(body);
   }
-  const robots = list.filter((model) => driveTopic(model));
-  view.robots = robots.map(({name, bodies: [base]}) => ({
-    name, body: `${name}/${base.name}`,
-    radius: Math.hypot(Math.max(-base.min_x, base.max_x), Math.max(-base.min_y, base.max_y)),
-  }));
+  const robots = list.filter(driveTopic);
+  view.models = list.map((model) => {
+    const {name, bodies: [base]} = model;
+    const radius = Math.hypot(Math.max(-base.min_x, base.max_x), Math.max(-base.min_y, base.max_y));
+    return {name, body: `${name}/${base.name}`, radius, isRobot: robots.includes(model)};
+  });
   fill(get("robot"), robots.map(({name}) => [name, name]));
   fill(get("model"), [...new Set(list.map((model) => model.yaml_path).filter(Boolean))]
-    .map((path) => [path, path.split("/").pop()]));
+    .map((path) => [path, path.split("/").pop().replace(/(\.model)?\.ya?ml$/, "")]));
+  get("spawn").disabled = !get("model").value;
+  const failed = list.flatMap(({name, plugins}) =>
+    plugins.filter((plugin) => plugin.has_failed).map((plugin) => `${name}/${plugin.name}`));
+  get("failed").textContent = failed.length ? `switched off after an error: ${failed.join(", ")}` : "";
   choose(models.has(view.chosen) ? view.chosen : get("robot").value);
-  subscribeScans();
+  if (models.has(followed)) {
+    choose(followed);
+    follow(true);
+    followed = null;
+  }
 }
 
 function fill(select, options) {
@@ -102,10 +113,12 @@ function fill(select, options) {
 }
 
 function choose(name) {
+  if (view.chosen !== (name || null)) trail.clear();
   view.chosen = name || null;
   if (name) get("robot").value = name;
   get("delete").disabled = !name;
-  isDirty = true;
+  get("pose").textContent = "";
+  show();
 }
 
 function chooseByHand(name) {
@@ -113,130 +126,134 @@ function chooseByHand(name) {
   say(driveTopic(models.get(name)) ? `the keys drive ${name}` : `${name} has no drive`);
 }
 
-const topicsOf = (model) => model.plugins.flatMap((plugin) => plugin.topics);
-const driveTopic = (model) =>
-  topicsOf(model).find(({type, is_published}) => type === TWIST && !is_published)?.name;
+function chooseNext(step) {
+  const names = [...get("robot").options].map(({value}) => value);
+  if (!names.length) return;
+  chooseByHand(names[(names.indexOf(view.chosen) + step + names.length) % names.length]);
+  follow(true);
+}
+
+function follow(isFollowing) {
+  get("follow").checked = isFollowing;
+  if (isFollowing) view.comeNear();
+  isDirty = true;
+}
+
+/** Subscribes to what is shown: scans, and the odometry of the chosen model for its trail. */
+function show() {
+  const model = models.get(view.chosen), hasTrail = get("trail").checked;
+  scans.follow([...models.values()], view.chosen, get("scans").checked);
+  const topic = hasTrail
+    ? topicsOfType(model, "nav_msgs/Odometry", true).find((name) => !name.endsWith("ground_truth")) : undefined;
+  if (odometry && odometry !== topic) server.unsubscribe(odometry);
+  if (topic && odometry !== topic) server.subscribe(topic, (message) => { trail.odometry = message; });
+  odometry = topic;
+  if (!hasTrail) trail.clear();
+  view.trails = [trail.way, trail.belief];
+  view.showsNames = get("names").checked;
+  isDirty = true;
+}
+
+const baseOf = (name) => `${name}/${models.get(name)?.bodies[0].name}`;
 
 function setStates({stamp, models: states}) {
+  const time = seconds(stamp);
   const moved = states.flatMap(({name, bodies}) =>
     (models.get(name)?.bodies ?? []).map((body, i) => [`${name}/${body.name}`, bodies[i]]));
-  if (seconds(stamp) < poses.time) { view.scans.clear(); waiting = []; }  // a reset
-  poses.add(seconds(stamp), moved);
+  if (time < poses.time) {  // a reset, or a moment of the past
+    scans.jump(time);
+    trail.clear();
+  }
+  poses.add(time, moved);
   view.poses = poses.now;
-  placeScans();
+  scans.place(poses);
+  if (get("trail").checked && view.chosen) trail.note(poses, baseOf(view.chosen));
+  view.trails = [trail.way, trail.belief];
+  const chosen = states.find(({name}) => name === view.chosen);
+  if (chosen) showPose(chosen);
   isDirty = true;
 }
 
-function setState({paused, stamp, real_time_factor: factor}) {
-  isPaused = paused;
-  announce(paused ? "Paused: space goes on, N makes a step" : "");
+function showPose({name, pose: {x, y, theta}, twist: {linear, angular}}) {
+  const number = (value, digits = 2) => value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1");
+  const aside = Math.abs(linear.y) < 5e-3 ? "" : `, ${number(linear.y)}`;
+  get("pose").textContent = `${name}   x ${number(x)}  y ${number(y)}  yaw ${number(theta * 180 / Math.PI, 0)}°   `
+    + `${number(linear.x)}${aside} m/s  ${number(angular.z)} rad/s`;
+}
+
+// Time
+
+function setState({paused, stamp, rate, real_time_factor: factor, history_begin, history_end, edits, ...revertible}) {
+  state = {paused, time: seconds(stamp), begin: seconds(history_begin), end: seconds(history_end)};
+  const hasPast = state.end > state.begin;
+  announce(!paused ? "" : isInPast()
+    ? `${state.time.toFixed(1)} s, in the past: Run (space) goes on from here, as another run`
+    : "Paused: Run (space) goes on");
   get("pause").textContent = paused ? "Run" : "Pause";
   get("pause").classList.toggle("on", paused);
-  get("step").disabled = !paused;
-  const time = `${seconds(stamp).toFixed(1)} s`;
-  get("clock").textContent = paused ? `${time}, paused` : `${time}, × ${factor.toFixed(2)}`;
-}
-
-// Scans
-
-/** The namespace of a model's transforms: empty for those of /tf. */
-const tfOf = ({ns, bodies: [base]}) => ns && base && !base.frame_id ? `/${ns}` : "";
-const keyOf = (frame, tf) => tf ? `${tf} ${frame}` : frame;
-
-/** Subscribes to a topic of transforms in these namespaces, and in no others. */
-function followFrames(topic, namespaces) {
-  for (const name of [...server.receivers.keys()].filter((name) => name.endsWith(topic))) {
-    if (!namespaces.has(name.slice(0, -topic.length))) server.unsubscribe(name);
+  get("clock").textContent = `${state.time.toFixed(1)} s${paused ? ", paused" : `, × ${factor.toFixed(2)}`}`;
+  get("save").textContent = edits ? `Save * ${edits}` : "Save";
+  for (const id of ["undo", "redo"]) {  // the names of the edits, if the server tells
+    get(id).disabled = !services.has(`/${id}`) || revertible[id] === "";
+    get(id).title = `${revertible[id] || "the last change of models"} (${id === "undo" ? "Ctrl+Z" : "Ctrl+Shift+Z"})`;
   }
-  for (const tf of namespaces) {
-    if (server.receivers.has(tf + topic)) continue;
-    server.subscribe(tf + topic, (message) => setFrames(message, tf), {queue_length: 100});
+  setRate(rate);
+  get("timeline").hidden = !hasPast;
+  get("latest").disabled = !isInPast();
+  const moment = get("moment");
+  if (hasPast && !isSeeking && document.activeElement !== moment) {
+    Object.assign(moment, {min: state.begin, max: state.end, value: state.time});
   }
 }
 
-function setFrames({transforms}, tf) {
-  for (const {header, child_frame_id: child, transform: {translation, rotation: q}} of transforms) {
-    const theta = Math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z));
-    const pose = {x: translation.x, y: translation.y, theta};
-    frames.set(keyOf(child, tf), {parent: keyOf(header.frame_id, tf), pose});
-  }
+/** rate: null if it is infinite, as JSON has it. */
+function setRate(rate) {
+  const value = String(rate ?? "max"), select = get("rate");
+  if (select.value === value) return;
+  const rates = RATES.includes(rate) ? RATES : [...RATES, rate ?? "max"].sort((a, b) => a - b);
+  fill(select, rates.map((each) => [each, each]));
+  select.value = value;
 }
 
-/** The body that a frame, by its key, is fixed to, and its pose on it; undefined if not known. */
-function mountOf(frame, pose = {x: 0, y: 0, theta: 0}, depth = 0) {
-  const body = bodyOf.get(frame), link = frames.get(frame);
-  if (body) return {body, pose};
-  return link && depth < 10 ? mountOf(link.parent, compose(link.pose, pose), depth + 1) : undefined;
+function changeRate(rate) {
+  if (rate) call("/change_rate", {rate}, `${rate} s are simulated in a second`);
 }
 
-/** Places the scans whose time has come; subscribes to /tf while a frame of one is unknown. */
-function placeScans() {
-  const isDue = ({message}) => seconds(message.header.stamp) <= poses.time;
-  for (const {topic, message} of waiting.filter(isDue)) {
-    const {frame_id, stamp} = message.header, tf = scanTopics.get(topic);
-    const frame = keyOf(frame_id, tf), mount = mountOf(frame);
-    if (mount) lost.delete(frame); else lost.set(frame, tf);
-    const base = mount && poses.at(mount.body, seconds(stamp));
-    if (base) view.scans.set(topic, {message, pose: compose(base, mount.pose)});
+/** Pauses, and shows the moment at a time [s], or the nearest one; of several calls the last one counts. */
+async function seek(time) {
+  if (state.end <= state.begin) return;
+  sought = state.time = Math.min(Math.max(time, state.begin), state.end);
+  if (isSeeking) return;
+  isSeeking = true;
+  while (sought !== null) {
+    const next = sought;
+    sought = null;
+    trail.clear();
+    await call("/seek", {time: next}, "");
   }
-  waiting = waiting.filter((scan) => !isDue(scan)).slice(-MOST_WAITING);
-  followFrames("/tf", new Set(lost.values()));
+  isSeeking = false;
 }
 
-function subscribeScans() {
-  const wanted = new Map(!get("scans").checked ? [] : [...models.values()].flatMap((model) =>
-    topicsOf(model)
-      .filter(({type, is_published}) => type === "sensor_msgs/LaserScan" && is_published)
-      .map(({name}) => [name, tfOf(model)])));
-  for (const topic of [...scanTopics.keys()].filter((each) => !wanted.has(each))) {
-    server.unsubscribe(topic);
-    scanTopics.delete(topic);
-    view.scans.delete(topic);
-  }
-  for (const [topic, tf] of [...wanted].filter(([each]) => !scanTopics.has(each))) {
-    server.subscribe(topic, (message) => waiting.push({topic, message}));
-    scanTopics.set(topic, tf);
-  }
-  waiting = waiting.filter(({topic}) => scanTopics.has(topic));
-  isDirty = true;
+const pauseOrRun = () => call(state.paused ? "/resume" : "/pause", {}, "");
+
+async function stepOnce() {
+  if (isInPast()) return seek(state.time + STEP);
+  if (!state.paused) await call("/pause", {}, "");
+  return call("/step_world", {}, `a step of ${STEP} s`);
 }
 
-// Driving: a command many times a second, and zero once when the last key is released
+// Changes of the world
 
-let wasDriving = false;
-setInterval(() => {
-  const model = models.get(view.chosen), topic = model && driveTopic(model);
-  if (!topic || (!pressed.size && !wasDriving)) return;
-  let [forward, turn] = [0, 0];
-  for (const key of pressed) { forward += KEYS[key][0]; turn += KEYS[key][1]; }
-  server.publish(topic, TWIST, {
-    linear: {x: Math.sign(forward) * SPEED.linear}, angular: {z: Math.sign(turn) * SPEED.angular},
-  });
-  wasDriving = pressed.size > 0;
-}, 100);
-
-addEventListener("keydown", (event) => {
-  if (event.ctrlKey || event.metaKey || event.target instanceof HTMLSelectElement) return;
-  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-  if (KEYS[key]) pressed.add(key);
-  else if (key === " ") pauseOrRun();
-  else if (key === "n") stepOnce();
-  else if (key === "Delete") remove();
-  else if (key === "Escape") setSpawning(false);
-  else return;
-  event.preventDefault();
-});
-addEventListener("keyup", (event) => pressed.delete(event.key.length === 1 ? event.key.toLowerCase() : event.key));
-addEventListener("blur", () => pressed.clear());
-
-// Buttons
-
-const pauseOrRun = () => isPaused ? call("/resume", {}, "running") : call("/pause", {}, "paused");
-const stepOnce = () => isPaused && call("/step_world", {}, "a step of 0.1 s");
-
-function remove() {
-  const name = view.chosen;
-  if (name) call("/delete_model", {name}, `${name} is deleted`);
+function spawn({from, to}) {
+  const path = get("model").value, stem = path.split("/").pop().split(".")[0];
+  let number = 1;
+  while (models.has(`${stem}_${number}`)) number += 1;
+  const name = `${stem}_${number}`, theta = Math.atan2(to.y - from.y, to.x - from.x);
+  const isTurned = Math.hypot(to.x - from.x, to.y - from.y) * view.scale > CLICK;
+  const pose = {...from, theta: isTurned ? theta : 0};
+  call("/spawn_model", {yaml_path: path, name, ns: name, pose}, `${name} is spawned`)
+    .then((done) => done && choose(name));
+  setSpawning(false);
 }
 
 function setSpawning(value) {
@@ -246,37 +263,129 @@ function setSpawning(value) {
   if (value) say("click where the model is to be; drag to turn it");
 }
 
+function remove() {
+  const name = view.chosen;
+  if (name) call("/delete_model", {name}, `${name} is deleted`);
+}
+
+function undo(name) {
+  if (services.has(`/${name}`)) call(`/${name}`, {});
+}
+
+/** Saves in the world's file, or if that cannot be, in a copy. */
+async function save(isCopy) {
+  if (get("save").disabled) return;
+  if (!isCopy && await call("/save_world", {path: ""})) return;
+  const path = prompt(`${isCopy ? "" : `${get("status").textContent}\n\n`}Save a copy as:`, "my_world.yaml");
+  if (path) call("/save_world", {path});
+}
+
+function savePicture() {
+  view.draw();
+  get("view").toBlob((blob) => {
+    const link = Object.assign(document.createElement("a"), {
+      href: URL.createObjectURL(blob), download: `flatland_${state.time.toFixed(1)}.png`,
+    });
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    say(`saved ${link.download}`);
+  });
+}
+
+// Light and dark
+
+const systemLook = matchMedia("(prefers-color-scheme: dark)");
+
+function setLook() {
+  const chosen = localStorage.getItem("look");
+  view.isDark = chosen ? chosen === "dark" : systemLook.matches;
+  document.documentElement.style.colorScheme = view.isDark ? "dark" : "light";
+  get("look").textContent = view.isDark ? "Light" : "Dark";
+  isDirty = true;
+}
+systemLook.onchange = setLook;
+setLook();
+
+function changeLook() {
+  localStorage.setItem("look", view.isDark ? "light" : "dark");
+  setLook();
+}
+
+// Buttons and keys
+
+function toggle(id) {
+  get(id).checked = !get(id).checked;
+  get(id).onchange();
+}
+
+const showKeys = () => get("keys").open ? get("keys").close() : get("keys").showModal();
+/** Leaves spawning, following, or the view: then Tab goes through the buttons. */
+function leave() {
+  if (isSpawning) setSpawning(false);
+  else if (get("follow").checked) follow(false);
+  else get("view").blur();
+}
+
+const showAll = () => { view.showAll(); follow(false); };
+const latest = () => seek(state.end);
 const buttons = {
-  pause: pauseOrRun,
-  step: stepOnce,
-  reset: () => call("/reset", {}, "the world is as it was loaded"),
-  spawn: () => setSpawning(!isSpawning),
-  delete: remove,
+  pause: pauseOrRun, step: stepOnce, reset: () => call("/reset", {}, "the world is as it was loaded"),
+  spawn: () => setSpawning(!isSpawning), delete: remove, undo: () => undo("undo"), redo: () => undo("redo"),
+  save: () => save(false), all: showAll, picture: savePicture, look: changeLook, help: showKeys, latest,
 };
 for (const [id, action] of Object.entries(buttons)) {
-  get(id).onclick = () => { action(); get(id).blur(); };  // space is for the pause again
+  get(id).onclick = () => { action(); get("view").focus(); };  // whose keys are the page's again
 }
-get("rate").onchange = () => {
-  const rate = Number(get("rate").value);
-  call("/change_rate", {rate}, `${rate} s are simulated in a second`);
-  get("rate").blur();
+get("rate").onchange = () => { changeRate(Number(get("rate").value)); get("view").focus(); };
+get("robot").onchange = () => { chooseByHand(get("robot").value); get("view").focus(); };
+get("follow").onchange = () => follow(get("follow").checked);
+for (const id of ["names", "trail"]) get(id).onchange = show;
+get("scans").onchange = () => {
+  show();
+  if (state.paused && get("scans").checked) seek(state.time);  // sensors measure at each moment that is sought
 };
-get("robot").onchange = () => { chooseByHand(get("robot").value); get("robot").blur(); };
-get("scans").onchange = subscribeScans;
-
-function spawn({from, to}) {
-  const path = get("model").value, stem = path.split("/").pop().split(".")[0];
-  let number = 1;
-  while (models.has(`${stem}_${number}`)) number += 1;
-  const name = `${stem}_${number}`, theta = Math.atan2(to.y - from.y, to.x - from.x);
-  const isTurned = Math.hypot(to.x - from.x, to.y - from.y) * view.scale > 5;
-  const pose = {...from, theta: isTurned ? theta : 0};
-  call("/spawn_model", {yaml_path: path, name, ns: name, pose}, `${name} is spawned`)
-    .then((done) => done && choose(name));
-  setSpawning(false);
+get("moment").oninput = () => seek(Number(get("moment").value));
+get("moment").onchange = () => get("view").focus();
+for (const button of get("pad").children) {
+  button.onpointerdown = () => driving.press(button.dataset.key);
+  for (const kind of ["pointerup", "pointerleave", "pointercancel"]) {
+    button.addEventListener(kind, () => driving.release(button.dataset.key));
+  }
+  button.oncontextmenu = () => false;  // of a long touch
 }
 
-// The mouse: spawns, moves a model, or moves the view
+const actions = {
+  " ": pauseOrRun, ".": stepOnce, F10: stepOnce, ",": () => seek(state.time - STEP), r: buttons.reset,
+  "+": () => changeRate(RATES.find((rate) => rate > Number(get("rate").value))),
+  "-": () => changeRate(RATES.findLast((rate) => rate < Number(get("rate").value))),
+  f: () => toggle("follow"), l: () => toggle("scans"), n: () => toggle("names"), t: () => toggle("trail"),
+  Home: showAll, Delete: remove, F1: showKeys, h: showKeys, Tab: () => chooseNext(1),
+  "Shift+Tab": () => chooseNext(-1), Escape: leave,
+  "Ctrl+z": buttons.undo, "Ctrl+Shift+z": buttons.redo, "Ctrl+s": buttons.save, "Ctrl+Shift+s": () => save(true),
+  "Ctrl+p": savePicture, "Alt+ArrowLeft": () => seek(state.time - 10), "Alt+ArrowRight": () => seek(state.time + 10),
+  "Alt+Shift+ArrowLeft": () => seek(state.time - 1), "Alt+Shift+ArrowRight": () => seek(state.time + 1),
+  "Alt+End": latest,
+};
+
+addEventListener("keydown", (event) => {
+  const {target, ctrlKey, metaKey, altKey, shiftKey} = event, name = nameOf(event);
+  driving.isSlow = shiftKey;
+  if (target instanceof HTMLSelectElement || get("keys").open) return;
+  if (name === "Tab" && target !== get("view")) return;  // goes through the buttons
+  const isPlain = !(ctrlKey || metaKey || altKey);
+  const modifiers = `${ctrlKey || metaKey ? "Ctrl+" : ""}${altKey ? "Alt+" : ""}`;
+  const action = actions[`${modifiers}${shiftKey ? "Shift+" : ""}${name}`] ?? (isPlain && actions[name]);
+  if (isPlain && driving.press(name)) event.preventDefault();
+  else if (action) {
+    event.preventDefault();
+    action();
+  }
+});
+addEventListener("keyup", (event) => { driving.isSlow = event.shiftKey; });
+
+// Pointers: one spawns, moves or turns a model, or moves the view; two zoom
+
+const pointers = new Map();  // by id: {offsetX, offsetY}
 
 function modelAt({x, y}) {
   for (const model of models.values()) {
@@ -292,38 +401,67 @@ function modelAt({x, y}) {
   return null;
 }
 
+/** The middle of the two pointers on the view, and their distance [px]. */
+function pinch() {
+  const [a, b] = pointers.values();
+  return {
+    offsetX: (a.offsetX + b.offsetX) / 2, offsetY: (a.offsetY + b.offsetY) / 2,
+    distance: Math.hypot(a.offsetX - b.offsetX, a.offsetY - b.offsetY),
+  };
+}
+
+function pan(from, to) {
+  view.center.x += from.x - to.x;
+  view.center.y += from.y - to.y;
+  view.isMoved = true;
+  get("follow").checked = false;
+}
+
 get("view").onpointerdown = (event) => {
   const at = view.toWorld(event);
   get("view").setPointerCapture(event.pointerId);
+  pointers.set(event.pointerId, event);
+  if (pointers.size > 1) {
+    drag = view.arrow = null;
+    return;
+  }
   if (isSpawning) {
     drag = {arrow: {from: at, to: at}};
     return;
   }
   const name = modelAt(at);
   if (name) chooseByHand(name);
-  drag = {name, at, hasMoved: false};
+  drag = {name, at, turns: event.shiftKey, hasMoved: false};
 };
 get("view").onpointermove = (event) => {
+  if (pointers.size === 2 && pointers.has(event.pointerId)) {
+    const before = pinch();
+    pointers.set(event.pointerId, event);
+    const after = pinch();
+    pan(view.toWorld(before), view.toWorld(after));
+    view.zoom(after, after.distance / Math.max(before.distance, 1));
+    isDirty = true;
+  }
   if (!drag) return;
-  const at = view.toWorld(event);
+  const at = view.toWorld(event), base = view.poses.get(baseOf(drag.name));
   if (drag.arrow) {
     view.arrow = drag.arrow = {from: drag.arrow.from, to: at};
-  } else if (drag.name) {
-    const base = view.poses.get(`${drag.name}/${models.get(drag.name)?.bodies[0].name}`);
-    drag.to = {x: at.x, y: at.y, theta: base?.theta ?? 0};
-    drag.hasMoved ||= Math.hypot(at.x - drag.at.x, at.y - drag.at.y) * view.scale > 5;
-    if (drag.hasMoved) view.arrow = {from: drag.to, to: drag.to};
+  } else if (base) {
+    drag.hasMoved ||= Math.hypot(at.x - drag.at.x, at.y - drag.at.y) * view.scale > CLICK;
+    drag.to = drag.turns ? {...base, theta: Math.atan2(at.y - base.y, at.x - base.x)} : {...at, theta: base.theta};
+    if (drag.hasMoved) view.arrow = drag.turns ? {from: base, to: at} : {from: drag.to, to: drag.to};
   } else {
-    view.center.x += drag.at.x - at.x;
-    view.center.y += drag.at.y - at.y;
-    view.isMoved = true;
-    get("follow").checked = false;
+    pan(drag.at, at);
   }
   isDirty = true;
 };
-get("view").onpointerup = () => {
-  if (drag?.arrow) spawn(drag.arrow);
-  else if (drag?.hasMoved) call("/move_model", {name: drag.name, pose: drag.to}, `${drag.name} is moved`);
+get("view").onpointerup = get("view").onpointercancel = (event) => {
+  pointers.delete(event.pointerId);
+  const {arrow, name, to, turns, hasMoved} = drag ?? {};
+  if (event.type === "pointerup" && arrow) spawn(arrow);
+  else if (event.type === "pointerup" && hasMoved) {
+    call("/move_model", {name, pose: to}, `${name} is ${turns ? "turned" : "moved"}`).then(() => trail.clear());
+  }
   drag = view.arrow = null;
   isDirty = true;
 };
@@ -334,11 +472,11 @@ get("view").onwheel = (event) => {
 };
 
 function draw() {
-  const model = models.get(view.chosen);
-  const pose = model && view.poses.get(`${model.name}/${model.bodies[0].name}`);
+  const pose = view.poses.get(baseOf(view.chosen));
   if (get("follow").checked && pose) view.center = {x: pose.x, y: pose.y};
   if (isDirty) view.draw();
-  isDirty = get("follow").checked;
+  isDirty = false;
   requestAnimationFrame(draw);
 }
 draw();
+get("view").focus();

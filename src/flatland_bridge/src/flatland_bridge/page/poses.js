@@ -1,6 +1,7 @@
 // Where bodies are and were: a scan is drawn at the pose that its robot had at the scan's stamp.
 
 const MOST = 50;  // moments: one and a half seconds of real time
+const FASTEST = 20;  // m/s: a body that is faster was moved by hand
 
 /** A pose in a frame, given in that of the world. */
 export function compose(frame, pose) {
@@ -11,6 +12,17 @@ export function compose(frame, pose) {
     theta: frame.theta + pose.theta,
   };
 }
+
+/** The pose that leads back: compose(pose, inverse(pose)) is none. */
+export function inverse({x, y, theta}) {
+  const cos = Math.cos(theta), sin = Math.sin(theta);
+  return {x: -cos * x - sin * y, y: sin * x - cos * y, theta: -theta};
+}
+
+/** The pose of a position and a quaternion. */
+export const poseOf = ({x, y}, q) => ({
+  x, y, theta: Math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z)),
+});
 
 export const seconds = ({secs, nsecs}) => secs + nsecs / 1e9;
 
@@ -37,6 +49,7 @@ export class Poses {
     const after = this.moments[next], before = this.moments[next - 1] ?? after;
     const from = before?.poses.get(body), to = after?.poses.get(body);
     if (!from || !to || before.time > time) return undefined;
+    if (Math.hypot(to.x - from.x, to.y - from.y) > FASTEST * (after.time - before.time)) return undefined;
     const part = after.time > before.time ? (time - before.time) / (after.time - before.time) : 1;
     const turn = Math.atan2(Math.sin(to.theta - from.theta), Math.cos(to.theta - from.theta));
     return {
