@@ -17,7 +17,7 @@ struct SeenWalls {
   int count = 0;                    ///< 0 if nothing is known
   int known_count = 0;              ///< of the walls that are known to be visible from its cell
   const uint32_t* known = nullptr;  ///< their indices, only to be fetched in time
-  uint32_t walls[kMost];  ///< indices, each of them once
+  uint32_t walls[kMost];            ///< indices, each of them once
 };
 
 }  // namespace flatland

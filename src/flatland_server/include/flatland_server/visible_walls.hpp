@@ -4,8 +4,8 @@
 ///
 /// The floor is divided into square cells. After a few scans from a cell, the walls that can be
 /// seen from any point of it are found once, and later scans draw only these. A wall is left out
-/// if it is proven that it is hidden from the whole cell (walls_seen_from.cpp), so a scan is the same
-/// with these walls as with all.
+/// if it is proven that it is hidden from the whole cell (walls_seen_from.cpp), so a scan is the
+/// same with these walls as with all.
 
 #include <atomic>
 #include <cstdint>

@@ -9,7 +9,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "walls_seen_from.hpp"
+#include "flatland_server/walls_seen_from.hpp"
 
 namespace flatland {
 namespace {
@@ -36,7 +36,7 @@ bool AreEqual(const std::vector<Segment>& a, const std::vector<Segment>& b) {
 }  // namespace
 
 std::shared_ptr<const VisibleWalls> VisibleWalls::Share(std::vector<Segment> segments,
-                                                      const SegmentTree::Progress& progress) {
+                                                        const SegmentTree::Progress& progress) {
   static std::mutex mutex;
   static std::unordered_multimap<size_t, std::weak_ptr<const VisibleWalls>> known;
   const size_t hash = HashOf(segments);
@@ -70,8 +70,8 @@ VisibleWalls::VisibleWalls(std::vector<Segment> segments, const SegmentTree::Pro
   Box bounds;
   for (const Segment& wall : all_.segments()) bounds.Add(wall);
   const Vec2 size = bounds.high - bounds.low;
-  cell_size_ = std::max({kCellSize, std::sqrt(size.x * size.y / kMaxCells),
-                         std::max(size.x, size.y) / kMaxCells});
+  cell_size_ = std::max(
+      {kCellSize, std::sqrt(size.x * size.y / kMaxCells), std::max(size.x, size.y) / kMaxCells});
   origin_ = bounds.low;
   columns_ = static_cast<int>(size.x / cell_size_) + 1;
   rows_ = static_cast<int>(size.y / cell_size_) + 1;

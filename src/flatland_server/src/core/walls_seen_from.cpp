@@ -1,5 +1,5 @@
-/// Need: a lidar in an office sees a hundred walls of thousands. A scan that searches the tree finds
-/// out anew each time that it need not draw the others.
+/// Need: a lidar in an office sees a hundred walls of thousands. A scan that searches the tree
+/// finds out anew each time that it need not draw the others.
 ///
 /// Method: walls that share corners are followed to the left and to the right, as seen from the
 /// centre c of the box: a chain. A point x is hidden from the disc around the box if
@@ -24,7 +24,7 @@
 /// Last test: of what is left, most are the far sides of obstacles and walls, just behind the near
 /// sides. Each is tested as it is, against the corners of each chain (Hides).
 
-#include "walls_seen_from.hpp"
+#include "flatland_server/walls_seen_from.hpp"
 
 #include <algorithm>
 #include <array>
@@ -294,7 +294,8 @@ class Finder {
     const double farthest = std::max(Length(right), Length(left));
     for (const Chain& chain : chains_) {
       if (chain.nearest > farthest) continue;
-      const Vertex *const begin = &vertices_[chain.begin], *const end = begin + chain.end - chain.begin;
+      const Vertex *const begin = &vertices_[chain.begin], *const end =
+                                                               begin + chain.end - chain.begin;
       const double least = begin->place - kLeastTurn;
       const double from = place + std::ceil((least - place) / kBuckets) * kBuckets;
       if (from + turn > end[-1].place + kLeastTurn) continue;
@@ -330,7 +331,8 @@ class Finder {
     // Q. An end at P or Q is seen there, as a corner of the chain.
     const auto is_past = [&](Vec2 point, const Vertex* corner, double side) {
       const double cross = side * Cross(corner->point, point);
-      return IsAt(point, corner->point) || cross > kLarger * radius_ * Length(point - corner->point);
+      return IsAt(point, corner->point) ||
+             cross > kLarger * radius_ * Length(point - corner->point);
     };
     while (!is_past(a, i, 1.0) || !is_past(b, i, 1.0)) {
       if (i == begin) return false;

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "flatland_server/depth_buffer.hpp"
+#include "flatland_server/walls_seen_from.hpp"
 #include "reference_walls.hpp"
 #include "test_rounds.hpp"
-#include "walls_seen_from.hpp"
 
 namespace flatland {
 namespace {
