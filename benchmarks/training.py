@@ -4,16 +4,14 @@
     usage: training.py --robots 8 --world discs --beams 64     # steps of the robots of teams
 
 Needs Flatland and its extra gym; outside of a workspace, flatland_benchmark is found by
-PYTHONPATH=src/flatland_benchmark/src. Each run is a process: first one without the files of visible
-walls (docs/speed.md), then one with them. CPU seconds are less affected by other programs.
+PYTHONPATH=src/flatland_benchmark/src. Each run is a process. CPU seconds are less affected by other
+programs.
 """
 
 import argparse
 import json
-import os
 import subprocess
 import sys
-import tempfile
 import time
 from statistics import median
 from typing import Dict, List
@@ -74,20 +72,15 @@ def main() -> None:
     if options.one:
         print(json.dumps(measure(options)))
         return
-    runs: Dict[str, List[Dict[str, float]]] = {"first": [], "second": []}
+    runs: List[Dict[str, float]] = []
     for _ in range(options.runs):
-        with tempfile.TemporaryDirectory() as cache:
-            for found in runs.values():
-                output = subprocess.run(
-                    [sys.executable, *sys.argv, "--one"],
-                    env={**os.environ, "XDG_CACHE_HOME": cache},
-                    check=True,
-                    stdout=subprocess.PIPE,
-                ).stdout
-                found.append(json.loads(output))
-    print(head("", *runs))
-    for name in runs["first"][0]:
-        print(row(name, *(median(run[name] for run in found) for found in runs.values())))
+        output = subprocess.run(
+            [sys.executable, *sys.argv, "--one"], check=True, stdout=subprocess.PIPE
+        ).stdout
+        runs.append(json.loads(output))
+    print(head("", "median"))
+    for name in runs[0]:
+        print(row(name, median(run[name] for run in runs)))
 
 
 if __name__ == "__main__":

@@ -90,6 +90,8 @@ class BeamFan {
     if (!wraps) return {{{begin, end}, {0, 0}}};
     return {{{begin, size()}, {0, end}}};
   }
+  /// For each bucket, the number of beams in the buckets before it.
+  const int* before_buckets() const { return before_bucket_.data(); }
   /// The bucket of a diamond angle is the whole part of (angle + 2) * buckets_per_unit().
   double buckets_per_unit() const { return buckets_per_unit_; }
   /// The same for the directions from one vector counter-clockwise to another.

@@ -6,12 +6,14 @@
 /// DrawPolygon for the fixtures that it finds; GetRanges and GetIntensities. How it works is
 /// explained at the top of depth_buffer.cpp.
 
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "flatland_server/beam_fan.hpp"
 #include "flatland_server/geometry.hpp"
+#include "flatland_server/seen_walls.hpp"
 #include "flatland_server/segment_tree.hpp"
-#include "flatland_server/wall_list.hpp"
 
 namespace flatland {
 
@@ -27,15 +29,23 @@ struct BoundingCircles {
   void Add(Vec2 center, double circle_radius);
 };
 
+class Horizon;
+struct LidarView;
+struct SearchLists;
+
 class DepthBuffer {
  public:
+  DepthBuffer();
+  ~DepthBuffer();
+
   /// Starts a scan of the fan's beams up to `range` [m]. The fan must outlive the scan.
   void Begin(const BeamFan& fan, double range);
 
-  /// Draws all walls, as seen by a lidar at this pose in their frame.
-  void Draw(const SegmentTree& walls, const Pose& lidar);
-  /// The same for a list of those that the lidar can see, and perhaps more.
-  void Draw(const WallList& walls, const Pose& lidar);
+  /// Draws all walls, as seen by a lidar at this pose in their frame. It takes least time with what
+  /// this lidar has seen last, which is replaced; null if that is not known.
+  void Draw(const SegmentTree& walls, const Pose& lidar, SeenWalls* seen = nullptr);
+  /// Draws those walls alone that have these indices (VisibleWalls).
+  void Draw(const SegmentTree& walls, const std::vector<uint32_t>& only, const Pose& lidar);
 
   /// Indices of the circles in range that what is drawn so far does not hide. Valid until the next
   /// call.
@@ -57,13 +67,18 @@ class DepthBuffer {
   void GetIntensities(float* intensities) const;
 
  private:
+  LidarView ViewFrom(const Pose& lidar);
+
   const BeamFan* fan_ = nullptr;
   double range_ = 0.0;        // [m]
   double min_inverse_ = 0.0;  // inverse distance just beyond the range: that of a free beam [1/m]
   // By rank of the beam: inverse distance of the nearest thing [1/m].
   AlignedDoubles inverse_;
   AlignedDoubles non_reflecting_;  // before BeginReflecting; empty if that was not called
-  std::vector<int> visible_;       // result of FindVisible
+  std::unique_ptr<Horizon> horizon_;
+  std::unique_ptr<SearchLists> lists_;
+  std::vector<char> is_drawn_;  // by wall, while a tree is drawn
+  std::vector<int> visible_;    // result of FindVisible
 };
 
 }  // namespace flatland

@@ -9,6 +9,7 @@
 #include "flatland_server/beam_fan.hpp"
 #include "flatland_server/collision_layers.hpp"
 #include "flatland_server/geometry.hpp"
+#include "flatland_server/seen_walls.hpp"
 
 namespace flatland {
 
@@ -31,6 +32,7 @@ struct Lidar {
   std::vector<float> ranges;       // [m]
   std::vector<float> intensities;  // 0 or 255; empty without reflectance layers
   uint64_t scanned_revision = 0;   // revision of the world that it shows
+  SeenWalls seen;                  // in the latest scan
   bool is_expected = false;        // Lidars::Expect has been called since
 };
 

@@ -20,7 +20,6 @@
 namespace flatland {
 
 class Layers;
-class WallList;
 
 class Lidars {
  public:
@@ -43,10 +42,9 @@ class Lidars {
   const Lidar& Scan(LidarHandle lidar, const AccessGuard& guard);
   /// The number of beams of a lidar.
   int GetBeamCount(LidarHandle lidar) const;
-  /// For batches: writes a lidar's scan of the present world to an array of GetBeamCount values. It
-  /// may take some milliseconds, to search for visible walls. Returns a list of walls that it has
-  /// drawn, or null: the next scan will probably draw it, too.
-  const WallList* ScanInto(LidarHandle lidar, float* ranges, const AccessGuard& guard) const;
+  /// For batches: writes a lidar's scan of the present world to an array of GetBeamCount values.
+  /// `seen` is of this lidar's last scan in the same environment.
+  void ScanInto(LidarHandle lidar, float* ranges, SeenWalls& seen, const AccessGuard& guard) const;
   /// Scans from a pose in the world [m, m, rad]. Writes fan.size() values to each array: the
   /// distance [m] to what each beam meets first, or +infinity (REP 117), and its intensity, 0 or
   /// 255. Shapes that contain the lidar, or are within a millimetre of it, are not seen.
@@ -64,14 +62,13 @@ class Lidars {
   void RefreshVisibleFixtures() const;
   void AddVisibleFixtures(const BodyRecord& record) const;
   /// Called by several threads at a time; the visible fixtures must be up to date. `intensities`
-  /// may be null. Returns as above.
-  const WallList* ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& settings,
-                           float* ranges, float* intensities, int search_effort) const;
+  /// and `seen` may be null.
+  void ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
+                float* intensities, SeenWalls* seen) const;
   /// Draws the walls and fixtures on layers that the lidar sees and that `choose(layers)` accepts.
-  /// Returns as above.
   template <class Choose>
-  const WallList* DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& settings,
-                         int search_effort, Choose choose) const;
+  void DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& settings, SeenWalls* seen,
+              Choose choose) const;
 
   const Access& access_;
   const Bodies& bodies_;

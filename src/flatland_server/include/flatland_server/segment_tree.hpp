@@ -2,20 +2,21 @@
 
 /// A search tree over the static walls of a layer, for lidars.
 ///
-/// A binary tree of bounding boxes, built once. The walls of a node are divided between two
-/// children such that their boxes are small for the number of walls in them (the surface area
-/// heuristic: MacDonald and Booth, "Heuristics for Ray Tracing Using Space Subdivision", 1990; here
-/// with perimeters). A leaf holds up to kLeafSize walls. DepthBuffer traverses the tree.
+/// A tree of bounding boxes with eight children a node and eight walls a leaf, so that all of a
+/// node or leaf are looked at together (tree_view.hpp). It is built once, by halving the walls
+/// across one axis or the other, whichever makes the smaller boxes, at multiples of eight, 64, 512
+/// ... walls. So all leaves but the last are full, and numbers alone tell what belongs to what:
+/// child k of node i is number 8 i + k of the level below. DepthBuffer searches it.
 ///
-/// A leaf has a copy of its walls' coordinates, side by side; in a large tree, to save memory, only
-/// their indices.
+/// Boxes and walls are in single precision. Boxes are made a little larger for that, and walls are
+/// relative to the middle of their leaf.
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <memory>
+#include <utility>
 #include <vector>
 
 #include "flatland_server/geometry.hpp"
@@ -60,12 +61,8 @@ struct Box {
 
 class SegmentTree {
  public:
-  static constexpr int kLeafSize = 8;
-  /// No path from the root is longer than this.
-  static constexpr int kMaxDepth = 96;
-  /// Trees of more walls are large.
-  static constexpr size_t kMaxCopied = 500'000;
-
+  /// Children of a node, and walls of a leaf.
+  static constexpr int kWidth = 8;
   /// Walls between two reports of progress.
   static constexpr size_t kProgressStep = 50'000;
 
@@ -73,117 +70,106 @@ class SegmentTree {
   /// the end.
   using Progress = std::function<void(size_t done)>;
 
-  /// Walls from (ax, ay) to (bx, by) [m], as a structure of arrays, so that several are computed at
-  /// a time. Unused places are NaN.
-  struct Leaf {
-    double ax[kLeafSize];
-    double ay[kLeafSize];
-    double bx[kLeafSize];
-    double by[kLeafSize];
+  /// The boxes of the children, relative to center() [m], as a structure of arrays. Unused places
+  /// are infinitely far away.
+  struct alignas(64) Node {
+    float low_x[kWidth], low_y[kWidth], high_x[kWidth], high_y[kWidth];
   };
 
-  struct Child {
-    Box box;
-    /// Index of a node, or the complement (~) of the index of a leaf.
-    int32_t index = 0;
-    bool is_leaf() const { return index < 0; }
+  /// Walls from (ax, ay) to (bx, by), relative to `center` [m], as a structure of arrays. Unused
+  /// places are NaN, and repeat the last index.
+  struct alignas(64) Leaf {
+    float ax[kWidth], ay[kWidth], bx[kWidth], by[kWidth];
+    uint32_t indices[kWidth];  ///< in segments()
+    Vec2 center;
+    float near_square;  ///< square of a distance within which rounding may matter [m^2]
   };
 
-  struct Node {
-    Child children[2];
-  };
-
-  using Indices = std::array<uint32_t, kLeafSize>;
-
-  /// `max_copied` is the largest number of segments of which leaves have copies.
-  explicit SegmentTree(std::vector<Segment> segments, const Progress& progress = {},
-                       size_t max_copied = kMaxCopied);
-
-  /// An existing tree of equal segments, or a new one. So all worlds with the same map share one.
-  static std::shared_ptr<const SegmentTree> Share(std::vector<Segment> segments,
-                                                  const Progress& progress = {});
+  explicit SegmentTree(std::vector<Segment> segments, const Progress& progress = {});
 
   size_t segment_count() const { return segments_.size(); }
-  size_t leaf_count() const { return indices_.size(); }
+  size_t leaf_count() const { return leaves_.size(); }
   const std::vector<Segment>& segments() const { return segments_; }
-  /// The whole tree, in the form of a node's child. The box of an empty tree is empty.
-  const Child& root() const { return root_; }
-  const Node& node(const Child& child) const { return nodes_[child.index]; }
-  /// A leaf's copies of its walls, or null in a large tree.
-  const Leaf* leaf(const Child& child) const {
-    return leaves_.empty() ? nullptr : &leaves_[~child.index];
-  }
-  /// The indices in segments() of a leaf's walls, by their places in it. Unused places repeat the
-  /// last one.
-  const Indices& indices(const Child& child) const { return indices_[~child.index]; }
-  /// Calls `visit(index)`, with an index in segments(), for each wall of a leaf while it returns
-  /// true; returns whether it did. Leaves are numbered in the order of the tree.
+  Vec2 center() const { return center_; }
+  const std::vector<Leaf>& leaves() const { return leaves_; }
+  /// The nodes by level, first those with leaves as children, last a few that no node has as
+  /// children. None without walls.
+  const std::vector<std::vector<Node>>& levels() const { return levels_; }
+
+  /// Calls `visit(index)`, with an index in segments(), for each wall of a leaf.
   template <class Visit>
-  bool ForEachWall(size_t leaf, Visit visit) const {
-    const Indices& indices = indices_[leaf];
-    for (int i = 0; i < kLeafSize; ++i) {
-      if (i > 0 && indices[i] == indices[i - 1]) break;
-      if (!visit(indices[i])) return false;
-    }
-    return true;
+  void ForEachWall(size_t leaf, Visit visit) const {
+    const auto& indices = leaves_[leaf].indices;
+    for (int i = 0; i < kWidth && (i == 0 || indices[i] != indices[i - 1]); ++i) visit(indices[i]);
   }
   /// Calls `visit(leaf)`, with the number of a leaf, in ascending order, for each leaf with a box
   /// that meets this one.
   template <class Visit>
   void ForEachLeafAt(const Box& box, Visit visit) const {
-    if (!segments_.empty()) ForEachLeafAt(root_, box, visit);
+    for (size_t i = 0; i < top().size(); ++i) ForEachLeafAt(levels_.size() - 1, i, box, visit);
   }
   /// The least `distance(index)` of a wall, with an index in segments(), or `limit` if none is
   /// below. Walls with boxes farther than that from this box are left out.
   template <class Distance>
   double Least(const Box& box, double limit, Distance distance) const {
-    return segments_.empty() ? limit : Least(root_, box, limit, distance);
+    for (size_t i = 0; i < top().size(); ++i) {
+      limit = Least(levels_.size() - 1, i, box, limit, distance);
+    }
+    return limit;
   }
 
  private:
   using Iterator = std::vector<uint32_t>::iterator;
 
-  /// Progress of filling the tree.
-  struct Filling {
-    const Progress& progress;
-    bool has_copies;  // in its leaves
-    size_t done = 0;  // walls in leaves
-  };
-
-  Child Build(Iterator begin, Iterator end, int depth, Filling& filling);
-  Iterator Split(Iterator begin, Iterator end, int depth);
-  int32_t AddLeaf(Iterator begin, Iterator end, Filling& filling);
-  void AddCopies(Iterator begin, Iterator end);
+  const std::vector<Node>& top() const {
+    static const std::vector<Node> none;
+    return levels_.empty() ? none : levels_.back();
+  }
+  Box BoxOf(Iterator begin, Iterator end) const;
+  void Arrange(Iterator begin, Iterator end, const Progress& progress, size_t* done) const;
+  Leaf MakeLeaf(Iterator begin, Iterator end, const Box& box) const;
+  std::vector<Node> MakeLevel(const std::vector<Box>& boxes) const;
+  Box ChildBox(const Node& node, int k) const {
+    return {center_ + Vec2{node.low_x[k], node.low_y[k]},
+            center_ + Vec2{node.high_x[k], node.high_y[k]}};
+  }
   template <class Visit>
-  void ForEachLeafAt(const Child& child, const Box& box, Visit& visit) const {
-    if (!child.box.Meets(box)) return;
-    if (child.is_leaf()) {
-      visit(static_cast<size_t>(~child.index));
-      return;
+  void ForEachLeafAt(size_t level, size_t number, const Box& box, Visit& visit) const {
+    for (int k = 0; k < kWidth; ++k) {
+      if (!ChildBox(levels_[level][number], k).Meets(box)) continue;
+      if (level == 0) {
+        visit(kWidth * number + k);
+      } else {
+        ForEachLeafAt(level - 1, kWidth * number + k, box, visit);
+      }
     }
-    for (const Child& each : node(child).children) ForEachLeafAt(each, box, visit);
   }
   template <class Distance>
-  double Least(const Child& child, const Box& box, double least, Distance& distance) const {
-    if (child.box.Distance(box) >= least) return least;
-    if (child.is_leaf()) {
-      ForEachWall(~child.index, [&](uint32_t index) {
-        least = std::min(least, static_cast<double>(distance(index)));
-        return true;
-      });
-      return least;
+  double Least(size_t level, size_t number, const Box& box, double least,
+               Distance& distance) const {
+    std::array<std::pair<double, size_t>, kWidth> children;  // the nearest first
+    for (int k = 0; k < kWidth; ++k) {
+      children[k] = {ChildBox(levels_[level][number], k).Distance(box), kWidth * number + k};
     }
-    const auto& children = node(child).children;
-    const bool second_first = children[1].box.Distance(box) < children[0].box.Distance(box);
-    least = Least(children[second_first], box, least, distance);
-    return Least(children[!second_first], box, least, distance);
+    std::sort(children.begin(), children.end());
+    for (const auto& [near, child] : children) {
+      if (!(near < least)) break;
+      if (level > 0) {
+        least = Least(level - 1, child, box, least, distance);
+      } else {
+        ForEachWall(child, [&, &least = least](uint32_t index) {
+          least = std::min(least, static_cast<double>(distance(index)));
+        });
+      }
+    }
+    return least;
   }
 
   std::vector<Segment> segments_;
-  std::vector<Node> nodes_;
-  std::vector<Leaf> leaves_;      // none in a large tree
-  std::vector<Indices> indices_;  // of the walls of each leaf
-  Child root_;
+  std::vector<Leaf> leaves_;
+  std::vector<std::vector<Node>> levels_;
+  Vec2 center_;  // of all walls
+  double margin_ = 0.0;
 };
 
 }  // namespace flatland

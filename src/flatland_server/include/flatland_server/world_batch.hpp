@@ -158,8 +158,8 @@ class WorldBatch {
   int beams_ = 0;
   int64_t first_step_ = 0;  // at the beginning
   std::vector<Environment> environments_;
-  std::vector<char> collided_;          // for each robot of each environment
-  std::vector<const WallList*> drawn_;  // the same: by its last scan, or null
+  std::vector<char> collided_;   // for each robot of each environment
+  std::vector<SeenWalls> seen_;  // the same: by its last scan
   ThreadTeam team_;
 };
 

@@ -6,11 +6,8 @@
 
 #include "bindings.hpp"
 
-#include <cstring>
-
 #include "fast_method.hpp"
 #include "flatland_server/box2d_timer.hpp"
-#include "flatland_server/visible_walls.hpp"
 
 namespace flatland {
 namespace {
@@ -63,38 +60,6 @@ void SetContactListener(PyWorld& self, py::object callback) {
   ContactListener* listener = callback.is_none() ? nullptr : &self.owner->listener;
   self.world->contacts().SetListener(listener);
   self.owner->listener.SetCallback(self.world, std::move(callback));
-}
-
-void BindVisibleWalls(py::module_& m) {
-  struct Shared {
-    std::shared_ptr<const VisibleWalls> walls;
-  };
-  py::class_<Shared>(m, "VisibleWalls")
-      .def(py::init([](const Doubles& segments) {
-             return Shared{VisibleWalls::Share(ToSegments(segments))};
-           }),
-           py::arg("segments"))
-      .def_property_readonly("cell_count",
-                             [](const Shared& self) { return self.walls->cell_count(); })
-      .def_property_readonly("found_count",
-                             [](const Shared& self) { return self.walls->found_count(); })
-      .def_property(
-          "filed_count", [](const Shared& self) { return self.walls->filed_count.load(); },
-          [](const Shared& self, int64_t count) { self.walls->filed_count = count; })
-      .def("known",
-           [](const Shared& self) {
-             const std::vector<uint32_t> known = self.walls->GetKnown();
-             return py::bytes(reinterpret_cast<const char*>(known.data()),
-                              known.size() * sizeof(uint32_t));
-           })
-      .def(
-          "take",
-          [](const Shared& self, const std::string& bytes) {
-            std::vector<uint32_t> known(bytes.size() / sizeof(uint32_t));
-            std::memcpy(known.data(), bytes.data(), known.size() * sizeof(uint32_t));
-            return bytes.size() % sizeof(uint32_t) == 0 && self.walls->Take(known);
-          },
-          py::arg("known"));
 }
 
 void BindWorld(py::module_& m) {
@@ -181,7 +146,6 @@ PYBIND11_MODULE(_core, m) {
   BindMessages(m);
   BindContacts(m);
   BindWorld(m);
-  BindVisibleWalls(m);
   BindWorldBatch(m);
   m.def("box2d_reads_clock", &Box2DReadsClock);
   BindPriorityGuard(m);

@@ -1,6 +1,6 @@
 #pragma once
 
-/// Arithmetic on four numbers at a time (SIMD).
+/// Arithmetic on four numbers at a time, and on eight in single precision (SIMD).
 
 #include <cmath>
 #include <cstdint>
@@ -28,10 +28,22 @@ using Floats = float __attribute__((vector_size(kGroup * sizeof(float))));
 using Ints = int __attribute__((vector_size(kGroup * sizeof(int))));
 static_assert(kGroup == 4, "Fill lists four numbers");
 
+/// The same for eight numbers in single precision.
+constexpr int kEight = 8;
+using EightFloats = float __attribute__((vector_size(kEight * sizeof(float))));
+using EightInts = int __attribute__((vector_size(kEight * sizeof(int))));
+
 FLATLAND_INLINE Doubles Fill(double value) { return Doubles{value, value, value, value}; }
 
 FLATLAND_INLINE Doubles Load(const double* values) {
   Doubles loaded;
+  std::memcpy(&loaded, values, sizeof(loaded));
+  return loaded;
+}
+
+FLATLAND_INLINE EightFloats FillEight(float v) { return EightFloats{v, v, v, v, v, v, v, v}; }
+FLATLAND_INLINE EightFloats Load(const float* values) {
+  EightFloats loaded;
   std::memcpy(&loaded, values, sizeof(loaded));
   return loaded;
 }
@@ -65,12 +77,21 @@ FLATLAND_INLINE Floats ToFloats(const Doubles& values) {
 
 /// Whole parts of numbers that an int can hold.
 FLATLAND_INLINE Ints ToInts(const Doubles& values) { return __builtin_convertvector(values, Ints); }
+FLATLAND_INLINE EightInts ToInts(const EightFloats& values) {
+  return __builtin_convertvector(values, EightInts);
+}
 
 FLATLAND_INLINE bool Any(const Mask& mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
 
 /// The smaller ones, and the larger ones, of two numbers each; the second if one is NaN.
 FLATLAND_INLINE Doubles Min(const Doubles& a, const Doubles& b) { return a < b ? a : b; }
 FLATLAND_INLINE Doubles Max(const Doubles& a, const Doubles& b) { return a > b ? a : b; }
+FLATLAND_INLINE EightFloats Min(const EightFloats& a, const EightFloats& b) {
+  return a < b ? a : b;
+}
+FLATLAND_INLINE EightFloats Max(const EightFloats& a, const EightFloats& b) {
+  return a > b ? a : b;
+}
 
 FLATLAND_INLINE Doubles Sqrt(const Doubles& values) {
   Doubles roots;
@@ -87,6 +108,11 @@ FLATLAND_INLINE Doubles ManhattanNorms(const Doubles& x, const Doubles& y) {
 }
 inline double ManhattanNorm(Vec2 v) { return std::abs(v.x) + std::abs(v.y); }
 
+FLATLAND_INLINE EightFloats DiamondAngles(const EightFloats& x, const EightFloats& y) {
+  const auto abs = [](const EightFloats& v) { return (EightFloats)((EightInts)v & INT32_MAX); };
+  const EightFloats slant = y / (abs(x) + abs(y));
+  return x >= 0.0f ? slant : (y >= 0.0f ? 2.0f - slant : -2.0f - slant);
+}
 FLATLAND_INLINE Doubles DiamondAngles(const Doubles& x, const Doubles& y) {
   const Doubles slant = y / ManhattanNorms(x, y);
   return x >= 0.0 ? slant : (y >= 0.0 ? 2.0 - slant : -2.0 - slant);

@@ -1,16 +1,14 @@
 #pragma once
 
-/// For depth_buffer.cpp: draws walls onto the beams, those of a leaf or block together; and the
-/// tolerance at the ends of walls, for all that tells what they hide.
+/// For depth_buffer.cpp: draws walls onto the beams, eight at a time.
 
 #include <cmath>
 #include <limits>
 
-#include "box_extents.hpp"
 #include "doubles.hpp"
+#include "extent.hpp"
 #include "flatland_server/beam_fan.hpp"
 #include "flatland_server/geometry.hpp"
-#include "flatland_server/segment_tree.hpp"
 
 namespace flatland {
 
@@ -21,7 +19,8 @@ constexpr double kEndTolerance = 1e-9;
 /// this from 180 degrees [rad]: its distance would be a quotient of two rounding errors.
 constexpr double kEdgeOn = 1e-14;
 
-constexpr int kLeafSize = SegmentTree::kLeafSize;
+/// Walls that are drawn together.
+constexpr int kBlock = 8;
 
 /// Draws the wall from a to b, where b is counter-clockwise of a, onto a group of beams.
 FLATLAND_INLINE void DrawOnGroup(const BeamFan& fan, double* inverse, int group, Vec2 a, Vec2 b,
@@ -62,16 +61,16 @@ struct FourWalls {
   Doubles ax, ay, bx, by;
 };
 
-/// The walls of a leaf or block as seen by the lidar.
+/// The walls of a block as seen by the lidar.
 struct WallsView {
   // Ends in the lidar's frame [m], b counter-clockwise of a.
-  double ax[kLeafSize], ay[kLeafSize], bx[kLeafSize], by[kLeafSize];
+  double ax[kBlock], ay[kBlock], bx[kBlock], by[kBlock];
   // cross(a, b) [m^2], or 0 if edge-on, or NaN where there is no wall; and its inverse.
-  double cross[kLeafSize], inverse_cross[kLeafSize];
+  double cross[kBlock], inverse_cross[kBlock];
   // The wedge: the buckets of the widened diamond angles of a and b (BeamFan), and whether it
   // contains the backward direction.
-  int from[kLeafSize], to[kLeafSize];
-  long long wraps[kLeafSize];
+  int from[kBlock], to[kBlock];
+  long long wraps[kBlock];
 };
 
 /// Computes four walls, for the places from `lane` on.
@@ -107,7 +106,7 @@ FLATLAND_INLINE void ViewWalls(const FourWalls& four, int lane, const LidarView&
 }
 
 FLATLAND_INLINE void DrawWalls(const WallsView& walls, const LidarView& view) {
-  for (int lane = 0; lane < kLeafSize; ++lane) {
+  for (int lane = 0; lane < kBlock; ++lane) {
     const Vec2 a{walls.ax[lane], walls.ay[lane]};
     const Vec2 b{walls.bx[lane], walls.by[lane]};
     if (walls.cross[lane] > 0.0) {
@@ -121,21 +120,11 @@ FLATLAND_INLINE void DrawWalls(const WallsView& walls, const LidarView& view) {
   }
 }
 
-FLATLAND_INLINE void DrawLeaf(const SegmentTree::Leaf& leaf, const LidarView& view) {
-  WallsView walls;
-  for (int lane = 0; lane < kLeafSize; lane += kGroup) {
-    ViewWalls(
-        {Load(leaf.ax + lane), Load(leaf.ay + lane), Load(leaf.bx + lane), Load(leaf.by + lane)},
-        lane, view, &walls);
-  }
-  DrawWalls(walls, view);
-}
-
-/// Draws the walls with these indices.
-FLATLAND_INLINE void DrawIndexed(const SegmentTree::Indices& indices, const Segment* segments,
+/// Draws the kBlock walls with these indices.
+FLATLAND_INLINE void DrawIndexed(const uint32_t* indices, const Segment* segments,
                                  const LidarView& view) {
   WallsView walls;
-  for (int lane = 0; lane < kLeafSize; lane += kGroup) {
+  for (int lane = 0; lane < kBlock; lane += kGroup) {
     Doubles rows[kGroup];
     for (int k = 0; k < kGroup; ++k) rows[k] = Load(&segments[indices[lane + k]].a.x);
     Transpose(rows);

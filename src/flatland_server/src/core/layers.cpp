@@ -59,7 +59,9 @@ Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits b
   record.may_move = false;
   all_.push_back({VisibleWalls::Share(std::move(walls), progress), bits});
   const Bodies::Body handle = bodies_.Add(std::move(record));
-  nearby_.push_back(std::make_unique<NearbyWalls>(all_.back().walls->shared(), bits, handle.index));
+  const auto& visible = all_.back().visible;
+  nearby_.push_back(std::make_unique<NearbyWalls>(
+      std::shared_ptr<const SegmentTree>(visible, &visible->all()), bits, handle.index));
   bodies_.ForEach([](auto, BodyRecord& each) { each.nearby.is_current = false; });
   return handle;
 }

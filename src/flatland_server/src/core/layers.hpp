@@ -25,7 +25,9 @@ namespace flatland {
 class Layers {
  public:
   struct Layer {
-    std::shared_ptr<const VisibleWalls> walls;
+    const SegmentTree& walls() const { return visible->all(); }
+
+    std::shared_ptr<const VisibleWalls> visible;
     LayerBits bits;
   };
 

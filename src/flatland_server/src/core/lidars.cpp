@@ -1,5 +1,7 @@
 #include "flatland_server/lidars.hpp"
 
+#include <algorithm>
+
 #include "box2d_limits.hpp"
 #include "flatland_server/parallel.hpp"
 #include "layers.hpp"
@@ -31,9 +33,6 @@ Lidars::LidarHandle Lidars::Add(Bodies::Body body, const LidarSettings& settings
   Lidar lidar;
   lidar.settings = settings;
   lidar.ranges.resize(settings.fan->size());
-  for (const Layers::Layer& layer : layers_.all()) {
-    if ((layer.bits & settings.scan.layers) != 0) layer.walls->Prepare();
-  }
   if (settings.scan.reflectance_layers != 0) lidar.intensities.resize(settings.fan->size());
   return lidars_.Add({body, std::move(lidar)});
 }
@@ -66,7 +65,7 @@ const Lidar& Lidars::Scan(LidarHandle handle, const AccessGuard&) {
   ForEachInParallel(static_cast<int>(scanning_.size()), [&](int i) noexcept {
     Lidar& lidar = *scanning_[i].first;
     ScanInto(*lidar.settings.fan, scanning_[i].second, lidar.settings.scan, lidar.ranges.data(),
-             lidar.intensities.empty() ? nullptr : lidar.intensities.data(), VisibleWalls::kEffort);
+             lidar.intensities.empty() ? nullptr : lidar.intensities.data(), &lidar.seen);
   });
   return requested;
 }
@@ -76,12 +75,12 @@ int Lidars::GetBeamCount(LidarHandle lidar) const {
   return lidars_.Get(lidar).mechanism.settings.fan->size();
 }
 
-const WallList* Lidars::ScanInto(LidarHandle handle, float* ranges, const AccessGuard&) const {
+void Lidars::ScanInto(LidarHandle handle, float* ranges, SeenWalls& seen,
+                      const AccessGuard&) const {
   const Mounted<Lidar>& mounted = lidars_.Get(handle);
   const LidarSettings& settings = mounted.mechanism.settings;
   RefreshVisibleFixtures();
-  return ScanInto(*settings.fan, PoseOf(mounted), settings.scan, ranges, nullptr,
-                  VisibleWalls::kWholeSearch);
+  ScanInto(*settings.fan, PoseOf(mounted), settings.scan, ranges, nullptr, &seen);
 }
 
 void Lidars::Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
@@ -89,7 +88,7 @@ void Lidars::Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& sett
   Require(IsUsable(pose), "a lidar's pose must be finite");
   RequireRange(settings.range);
   RefreshVisibleFixtures();
-  ScanInto(fan, pose, settings, ranges, intensities, VisibleWalls::kEffort);
+  ScanInto(fan, pose, settings, ranges, intensities, nullptr);
 }
 
 void Lidars::RefreshVisibleFixtures() const {
@@ -120,46 +119,56 @@ void Lidars::AddVisibleFixtures(const BodyRecord& record) const {
   }
 }
 
-const WallList* Lidars::ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& settings,
-                                 float* ranges, float* intensities, int search_effort) const {
+void Lidars::ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& settings,
+                      float* ranges, float* intensities, SeenWalls* seen) const {
   thread_local DepthBuffer buffer;  // keeps its memory from scan to scan
   buffer.Begin(fan, settings.range);
   // Reflecting layers are drawn last, so that the buffer can tell them from the rest.
   const auto reflects = [&](LayerBits layers) {
     return (layers & settings.reflectance_layers) != 0;
   };
-  const WallList* const drawn = DrawOn(buffer, pose, settings, search_effort,
-                                       [&](LayerBits layers) { return !reflects(layers); });
+  DrawOn(buffer, pose, settings, seen, [&](LayerBits layers) { return !reflects(layers); });
   if (settings.reflectance_layers != 0) {
     buffer.BeginReflecting();
-    DrawOn(buffer, pose, settings, search_effort, reflects);
+    DrawOn(buffer, pose, settings, seen, reflects);
   }
   buffer.GetRanges(ranges);
   if (intensities != nullptr) buffer.GetIntensities(intensities);
-  return drawn;
 }
 
 template <class Choose>
-const WallList* Lidars::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& settings,
-                               int search_effort, Choose choose) const {
-  const Vec2 origin{pose.x, pose.y};
-  const WallList* drawn = nullptr;
+void Lidars::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& settings,
+                    SeenWalls* seen, Choose choose) const {
+  // What was seen last is kept of the layer with most walls.
+  const auto is_seen = [&](const Layers::Layer& layer) {
+    return (layer.bits & settings.layers) != 0;
+  };
+  size_t most = 0;
   for (const Layers::Layer& layer : layers_.all()) {
-    if ((layer.bits & settings.layers) == 0 || !choose(layer.bits)) continue;
-    if (const WallList* seen = layer.walls->SeenFrom(origin, search_effort)) {
-      buffer.Draw(*seen, pose);
-      drawn = seen;
+    if (is_seen(layer)) most = std::max(most, layer.walls().segment_count());
+  }
+  for (const Layers::Layer& layer : layers_.all()) {
+    if (!is_seen(layer) || !choose(layer.bits)) continue;
+    const SegmentTree& walls = layer.walls();
+    SeenWalls* const last = walls.segment_count() == most ? seen : nullptr;
+    const auto* const visible = layer.visible->From({pose.x, pose.y});
+    if (last != nullptr) {
+      last->known = visible == nullptr ? nullptr : visible->data();
+      last->known_count = visible == nullptr ? 0 : static_cast<int>(visible->size());
+    }
+    if (visible != nullptr) {
+      buffer.Draw(walls, *visible, pose);
     } else {
-      buffer.Draw(layer.walls->all(), pose);
+      buffer.Draw(walls, pose, last);
     }
   }
+  const Vec2 origin{pose.x, pose.y};
   const Rotation rotation(pose.yaw);
   for (const int index : buffer.FindVisible(bounding_circles_, pose)) {
     const VisibleFixture& fixture = visible_fixtures_[index];
     if ((fixture.layers & settings.layers) == 0 || !choose(fixture.layers)) continue;
     fixture.DrawOn(buffer, origin, rotation);
   }
-  return drawn;
 }
 
 }  // namespace flatland

@@ -23,7 +23,7 @@ b2EdgeShape EdgeOf(const Segment& wall) {
 
 size_t NearbyWalls::CountWalls(uint32_t block) const {
   size_t count = 0;
-  walls_->ForEachWall(block, [&](uint32_t) { return ++count > 0; });
+  walls_->ForEachWall(block, [&](uint32_t) { ++count; });
   return count;
 }
 
@@ -53,7 +53,6 @@ void NearbyWalls::Hold(b2World& world, uint32_t number) {
     fixture.filter.categoryBits = layers_;
     fixture.filter.maskBits = layers_;
     body.CreateFixture(&fixture);
-    return true;
   });
 }
 

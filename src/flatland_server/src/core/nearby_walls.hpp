@@ -105,8 +105,7 @@ bool NearbyWalls::Overlaps(const b2AABB& bounds, Overlap overlap) const {
   walls_->ForEachLeafAt(box, [&](size_t leaf) {
     if (overlaps) return;
     walls_->ForEachWall(leaf, [&](uint32_t index) {
-      overlaps = overlap(EdgeOf(walls_->segments()[index]), origin);
-      return !overlaps;
+      overlaps = overlaps || overlap(EdgeOf(walls_->segments()[index]), origin);
     });
   });
   return overlaps;

@@ -79,14 +79,13 @@ void SeeWalls(const Layers& all, LayerBits layers, Vec2 point, double reach,
   const Box box{{point.x - reach, point.y - reach}, {point.x + reach, point.y + reach}};
   for (const Layers::Layer& layer : all.all()) {
     if ((layer.bits & layers) == 0) continue;
-    const SegmentTree& walls = layer.walls->all();
+    const SegmentTree& walls = layer.walls();
     walls.ForEachLeafAt(box, [&](size_t leaf) {
       walls.ForEachWall(leaf, [&](uint32_t index) {
         const Segment& wall = walls.segments()[index];
         const Vec2 nearest = Nearest(point, wall.a, wall.b);
         const Vec2 away = point - nearest;
         if (Dot(away, away) <= reach * reach) found.push_back(Seen(point, nearest));
-        return true;
       });
     });
   }

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <map>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include "box2d_limits.hpp"
-#include "flatland_server/wall_list.hpp"
 #include "prefetch.hpp"
 #include "shared_world.hpp"
 #include "world_state.hpp"
@@ -54,7 +54,7 @@ WorldBatch::WorldBatch(const World& world, const std::vector<BatchRobot>& robots
   }
   environments_.resize(count);
   collided_.resize(static_cast<size_t>(row_count()));
-  drawn_.resize(collided_.size());
+  seen_.resize(collided_.size());
   for (int i = 0; i < team_.size(); ++i) {
     const auto shared = std::make_shared<SharedWorld>(world.Copy(), moved_);
     for (int row = team_.Begin(i, count); row < team_.Begin(i + 1, count); ++row) {
@@ -102,10 +102,14 @@ void WorldBatch::ForEach(const bool* mask, int width, Visit visit) {
 void WorldBatch::Prefetch(int row, int distance) const {
   SharedWorld::Prefetch(*environments_[row].state, distance);
   for (int i = 0; i < robot_count(); ++i) {
-    const WallList* const drawn = drawn_[int64_t{row} * robot_count() + i];
-    if (drawn == nullptr) continue;
-    if (distance == 2) PrefetchObject(*drawn);
-    if (distance == 1) PrefetchElements(drawn->blocks());
+    const SeenWalls& seen = seen_[int64_t{row} * robot_count() + i];
+    if (distance == 2) PrefetchBytes(&seen, offsetof(SeenWalls, walls));
+    if (distance != 1) continue;
+    if (seen.known != nullptr) {
+      PrefetchBytes(seen.known, seen.known_count * sizeof(seen.known[0]));
+    } else {
+      PrefetchBytes(seen.walls, seen.count * sizeof(seen.walls[0]));
+    }
   }
 }
 
@@ -241,7 +245,6 @@ void WorldBatch::Replace(int row, const World& world) {
   environments_[row] = {own, own->MakeState(), 0};
   const int64_t first = int64_t{row} * robot_count();
   std::fill_n(collided_.begin() + first, robot_count(), false);
-  std::fill_n(drawn_.begin() + first, robot_count(), nullptr);  // walls of its former world
 }
 
 void WorldBatch::SeedCrowd(const bool* mask, World::CrowdHandle crowd, const uint64_t* keys) {
@@ -323,8 +326,8 @@ void WorldBatch::Write(World& world, int row, const bool* mask, const BatchRows&
     const Pose pose = Wrapped(world.GetPose(body));
     const Twist velocity = world.GetVelocity(body);
     const Twist local = world.GetLocalVelocity(body);
-    drawn_[at] = world.lidars().ScanInto(robots_[i].lidar, rows.ranges + at * beams_,
-                                         World::AccessGuard(world));
+    world.lidars().ScanInto(robots_[i].lidar, rows.ranges + at * beams_, seen_[at],
+                            World::AccessGuard(world));
     Put(rows.poses + 3 * at, pose.x, pose.y, pose.yaw);
     Put(rows.velocities + 3 * at, velocity.vx, velocity.vy, velocity.omega);
     Put(rows.local_velocities + 3 * at, local.vx, local.vy, local.omega);

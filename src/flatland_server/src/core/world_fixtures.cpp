@@ -114,7 +114,7 @@ double ClearanceOf(const b2Fixture& fixture, const Bodies& bodies, const Layers&
   origin.SetIdentity();
   for (const Layers::Layer& layer : layers.all()) {
     if ((fixture.GetFilterData().maskBits & layer.bits) == 0) continue;
-    const SegmentTree& walls = layer.walls->all();
+    const SegmentTree& walls = layer.walls();
     least = walls.Least(box, least, [&](uint32_t index) {
       return Distance(fixture, EdgeOf(walls.segments()[index]), origin);
     });

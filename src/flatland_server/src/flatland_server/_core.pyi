@@ -189,34 +189,6 @@ class World(metaclass=_Metaclass):
     def joint_count(self) -> int:
         """Number of joints."""
 
-class VisibleWalls(metaclass=_Metaclass):
-    """Which walls are visible from where; see visible_walls.hpp.
-
-    Args:
-        segments: walls of a layer, shape (n, 4). Equal layers share what is found.
-    """
-
-    def __init__(self, segments: Segments) -> None: ...
-    @property
-    def cell_count(self) -> int:
-        """Number of cells of a metre; 0 if there are only a few walls."""
-    filed_count: int
-    """How many of the cells found the file of a batch has; -1 before it was read."""
-    @property
-    def found_count(self) -> int:
-        """Number of cells with known walls."""
-    def known(self) -> bytes:
-        """All that is known, for `take`: on this machine, as numbers of 32 bits."""
-    def take(self, known: bytes) -> bool:
-        """Adds what is known to be visible.
-
-        Args:
-            known: from `known`, of equal walls.
-
-        Returns:
-            False if it is something else; then nothing has changed.
-        """
-
 class WorldBatch(metaclass=_Metaclass):
     """Environments with the same initial world and m robots each; see world_batch.hpp.
 

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <memory>
 #include <random>
 #include <vector>
@@ -248,36 +247,41 @@ TEST(SegmentTree, SeesNothingBehind) {
   EXPECT_EQ(Cast(tree, {0, 0}, {-1, 0}, kFar), kInfinity);
 }
 
-TEST(SegmentTree, IsNoDeeperThanItMayBe) {
+TEST(SegmentTree, IsNoDeeperWithWallsInOnePlaceOrEverNearer) {
   std::vector<Segment> walls;
   for (int i = 0; i < 4000; ++i) walls.push_back({{3, -1}, {3, 1}});
-  // Each next gap is half as wide: one cut after the other separates a single wall from the rest.
   for (double x = 4.0; x > 1e-290; x *= 0.5) walls.push_back({{x, -1}, {x, 1}});
   const SegmentTree tree(walls);
 
-  int most = 0;
-  const std::function<void(const SegmentTree::Child&, int)> descend =
-      [&](const SegmentTree::Child& child, int depth) {
-        most = std::max(most, depth);
-        if (child.is_leaf()) return;
-        for (const auto& each : tree.node(child).children) descend(each, depth + 1);
-      };
-  descend(tree.root(), 0);
-
-  EXPECT_LE(most, SegmentTree::kMaxDepth);
+  EXPECT_EQ(tree.leaf_count(), (walls.size() + 7) / 8);
+  EXPECT_EQ(tree.levels().size(), 3u);
   EXPECT_EQ(Cast(tree, {2.5, 0}, {1, 0}, kFar), 0.5);
   EXPECT_EQ(Cast(tree, {1.5, 0}, {-1, 0}, kFar), 0.5);
 }
 
-TEST(SegmentTree, IsSharedByThoseWithTheSameWalls) {
-  const auto first = SegmentTree::Share(PixelWalls(5, 5));
-  const auto other = SegmentTree::Share(PixelWalls(5, 6));
-
-  EXPECT_EQ(SegmentTree::Share(PixelWalls(5, 5)), first);
-  EXPECT_NE(first, other);
-
-  const std::weak_ptr<const SegmentTree> gone = SegmentTree::Share(PixelWalls(6, 5));
-  EXPECT_TRUE(gone.expired()) << "it is not used any more";
+TEST(SegmentTree, HasEachWallInTheLeavesThatItsBoxMeets) {
+  for (const int count : {1, 7, 8, 9, 64, 65, 513, 3000}) {
+    const std::vector<Segment> walls = RandomWalls(count, 2.0);
+    const SegmentTree tree(walls);
+    for (uint32_t wall = 0; wall < walls.size(); ++wall) {
+      Box box;
+      box.Add(walls[wall]);
+      int found = 0;
+      tree.ForEachLeafAt(box, [&](size_t leaf) {
+        tree.ForEachWall(leaf, [&](uint32_t index) { found += index == wall ? 1 : 0; });
+      });
+      ASSERT_EQ(found, 1) << "wall " << wall << " of " << count;
+    }
+    const Box room{{8, 4}, {9, 5}};
+    const auto distance = [&](uint32_t index) {
+      Box box;
+      box.Add(walls[index]);
+      return box.Distance(room);
+    };
+    double least = kFar;
+    for (uint32_t wall = 0; wall < walls.size(); ++wall) least = std::min(least, distance(wall));
+    EXPECT_EQ(tree.Least(room, kFar, distance), least);
+  }
 }
 
 TEST(SegmentTree, IsEmptyWithoutWalls) {
@@ -286,17 +290,6 @@ TEST(SegmentTree, IsEmptyWithoutWalls) {
   EXPECT_EQ(tree.segment_count(), 0u);
   EXPECT_EQ(Cast(tree, {0, 0}, {1, 0}, kFar), kInfinity);
   EXPECT_EQ(Cast(tree, {-3, 2}, Towards(-0.5), kFar), kInfinity);
-}
-
-TEST(SegmentTree, WhatReceivesTheProgressCanMakeAnotherTree) {
-  std::shared_ptr<const SegmentTree> other;
-
-  const auto tree = SegmentTree::Share(
-      PixelWalls(7, 5), [&](size_t) { other = SegmentTree::Share(PixelWalls(7, 6)); });
-
-  EXPECT_EQ(tree->segment_count(), PixelWalls(7, 5).size());
-  ASSERT_NE(other, nullptr);
-  EXPECT_EQ(other->segment_count(), PixelWalls(7, 6).size());
 }
 
 }  // namespace

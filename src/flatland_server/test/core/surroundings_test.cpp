@@ -17,7 +17,7 @@ std::vector<Obstacle> Around(const std::vector<Segment>& walls, Vec2 point,
                              LayerBits layers = kAllLayers) {
   b2World world(b2Vec2_zero);
   Bodies bodies;
-  Layers all(bodies, SegmentTree::kMaxCopied);
+  Layers all(bodies, 1.0f);
   all.Add(world, walls, 1, {});
   std::vector<Obstacle> found, seen;
   SeeWalls(all, layers, point, kReach, found, seen);

@@ -22,7 +22,6 @@ from flatland2d.batch.observation import BatchObservation
 from flatland2d.batch.plugins import BatchPlugins
 from flatland2d.batch.robot import require_alike, require_unchanged_footprints, roles_of
 from flatland2d.batch.view import BatchView
-from flatland2d.batch.wall_cache import WallCache
 from flatland2d.free_space import FreeSpace
 from flatland2d.robot import find_robot
 from flatland2d.simulation import Simulation
@@ -179,8 +178,6 @@ class SimulationBatch:
         self._only_seed = origin.seed if origin is not None and varies else None
         self._noises = [BatchNoise(each, self._num_envs) for each in self._robots]
         self._spaces = FreeSpaces(self._world, self._robots)
-        config = self._world.config
-        self._walls = WallCache([config.walls_of(each) for each in config.layers])
 
     # Facts
 
@@ -572,7 +569,6 @@ class SimulationBatch:
         """Frees all environments. Later calls raise a UsageError, except for the facts above."""
         if self._core is not None:
             self._core = None
-            self._walls.save()
             self._world.close()
             self._plugins.close()
             self._view.close()
