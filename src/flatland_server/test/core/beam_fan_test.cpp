@@ -1,4 +1,4 @@
-#include "flatland_server/beam_fan.hpp"
+#include "sight/beam_fan.hpp"
 
 #include <gtest/gtest.h>
 

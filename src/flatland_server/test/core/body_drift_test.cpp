@@ -1,4 +1,4 @@
-#include "flatland_server/body_drift.hpp"
+#include "motion/body_drift.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "flatland_server/body_drive.hpp"
+#include "motion/body_drive.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "flatland_server/world.hpp"
+#include "world/world.hpp"
 #include "reference_motion.hpp"
 
 namespace flatland {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <utility>
 
-#include "flatland_server/world.hpp"
+#include "world/world.hpp"
 #include "test_bodies.hpp"
 
 namespace flatland {

@@ -1,4 +1,4 @@
-#include "flatland_server/body_tween.hpp"
+#include "motion/body_tween.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 /// Box2D steps without reading the clock.
 
-#include "flatland_server/box2d_timer.hpp"
+#include "world/box2d_timer.hpp"
 
 #include <gtest/gtest.h>
 

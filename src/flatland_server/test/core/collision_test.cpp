@@ -4,7 +4,7 @@
 
 #include <ostream>
 
-#include "flatland_server/world.hpp"
+#include "world/world.hpp"
 #include "test_bodies.hpp"
 
 namespace flatland {

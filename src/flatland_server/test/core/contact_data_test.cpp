@@ -5,8 +5,8 @@
 #include <cmath>
 #include <string>
 
-#include "flatland_server/contact.hpp"
-#include "flatland_server/world.hpp"
+#include "world/contact.hpp"
+#include "world/world.hpp"
 #include "test_contact.hpp"
 
 namespace flatland {

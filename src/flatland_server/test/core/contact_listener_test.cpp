@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "flatland_server/contact.hpp"
-#include "flatland_server/world.hpp"
+#include "world/contact.hpp"
+#include "world/world.hpp"
 #include "test_contact.hpp"
 
 namespace flatland {

@@ -1,12 +1,12 @@
 /// When contact events are reported: their order, for which bodies, and when bodies are removed.
 
-#include "flatland_server/contact.hpp"
+#include "world/contact.hpp"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "flatland_server/world.hpp"
+#include "world/world.hpp"
 #include "test_contact.hpp"
 
 namespace flatland {

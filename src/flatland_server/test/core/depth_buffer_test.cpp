@@ -1,6 +1,6 @@
 /// Polygons, circles and bounding circles in a depth buffer; for walls see segment_tree_test.cpp.
 
-#include "flatland_server/depth_buffer.hpp"
+#include "sight/depth_buffer.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "flatland_server/beam_fan.hpp"
+#include "sight/beam_fan.hpp"
 #include "reference_walls.hpp"
 
 namespace flatland {

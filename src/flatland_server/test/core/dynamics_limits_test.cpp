@@ -1,4 +1,4 @@
-#include "flatland_server/dynamics_limits.hpp"
+#include "motion/dynamics_limits.hpp"
 
 #include <gtest/gtest.h>
 

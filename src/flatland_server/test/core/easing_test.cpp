@@ -1,4 +1,4 @@
-#include "flatland_server/easing.hpp"
+#include "motion/easing.hpp"
 
 #include <gtest/gtest.h>
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "flatland_server/fixture.hpp"
-#include "flatland_server/world.hpp"
+#include "world/fixture.hpp"
+#include "world/world.hpp"
 #include "test_bodies.hpp"
 
 namespace flatland {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "flatland_server/world.hpp"
+#include "world/world.hpp"
 #include "test_bodies.hpp"
 
 namespace flatland {

@@ -1,4 +1,4 @@
-#include "flatland_server/lidar.hpp"
+#include "sight/lidar.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -15,8 +15,8 @@
 #include <thread>
 #include <vector>
 
-#include "flatland_server/parallel.hpp"
-#include "flatland_server/world.hpp"
+#include "base/parallel.hpp"
+#include "world/world.hpp"
 
 namespace flatland {
 namespace {

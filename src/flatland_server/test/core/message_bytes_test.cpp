@@ -1,4 +1,4 @@
-#include "flatland_server/message_bytes.hpp"
+#include "sending/message_bytes.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "flatland_server/geometry.hpp"
+#include "base/geometry.hpp"
 
 namespace flatland {
 

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "flatland_server/geometry.hpp"
+#include "base/geometry.hpp"
 
 namespace flatland {
 

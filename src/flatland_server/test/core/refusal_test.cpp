@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "flatland_server/world.hpp"
+#include "world/world.hpp"
 #include "test_bodies.hpp"
 
 namespace flatland {

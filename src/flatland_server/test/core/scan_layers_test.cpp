@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "flatland_server/world.hpp"
+#include "world/world.hpp"
 #include "reference_walls.hpp"
 #include "test_scan.hpp"
 

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "flatland_server/world.hpp"
+#include "world/world.hpp"
 #include "reference_walls.hpp"
 #include "test_scan.hpp"
 

@@ -1,6 +1,6 @@
 /// Ranges do not depend on what a lidar has seen last.
 
-#include "flatland_server/seen_walls.hpp"
+#include "sight/seen_walls.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "flatland_server/depth_buffer.hpp"
+#include "sight/depth_buffer.hpp"
 #include "reference_walls.hpp"
 #include "test_rounds.hpp"
 

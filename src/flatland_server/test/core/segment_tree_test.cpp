@@ -1,6 +1,6 @@
 /// Walls in a tree, along one beam, compared with a test of every wall.
 
-#include "flatland_server/segment_tree.hpp"
+#include "sight/segment_tree.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <random>
 #include <vector>
 
-#include "flatland_server/beam_fan.hpp"
-#include "flatland_server/depth_buffer.hpp"
+#include "sight/beam_fan.hpp"
+#include "sight/depth_buffer.hpp"
 #include "reference_walls.hpp"
 #include "test_rounds.hpp"
 

@@ -1,4 +1,4 @@
-#include "flatland_server/slot_map.hpp"
+#include "base/slot_map.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 /// The social force model: each term against its formula.
 
-#include "flatland_server/social_force.hpp"
+#include "people/social_force.hpp"
 
 #include <gtest/gtest.h>
 

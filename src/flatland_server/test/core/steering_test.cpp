@@ -1,4 +1,4 @@
-#include "flatland_server/steering.hpp"
+#include "motion/steering.hpp"
 
 #include <gtest/gtest.h>
 

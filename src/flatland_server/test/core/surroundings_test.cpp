@@ -1,6 +1,6 @@
 /// The walls and bodies that people avoid.
 
-#include "../../src/core/surroundings.hpp"
+#include "people/surroundings.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "flatland_server/world.hpp"
+#include "world/world.hpp"
 
 namespace flatland {
 

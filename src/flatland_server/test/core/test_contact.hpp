@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "flatland_server/contact.hpp"
-#include "flatland_server/world.hpp"
+#include "world/contact.hpp"
+#include "world/world.hpp"
 #include "test_bodies.hpp"
 
 namespace flatland {

@@ -1,11 +1,11 @@
-#include "flatland_server/tricycle_drive.hpp"
+#include "motion/tricycle_drive.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <stdexcept>
 
-#include "flatland_server/world.hpp"
+#include "world/world.hpp"
 #include "reference_motion.hpp"
 
 namespace flatland {

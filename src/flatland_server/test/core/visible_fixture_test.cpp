@@ -1,6 +1,6 @@
 /// Circles and polygons, compared with Box2D's own ray casts.
 
-#include "flatland_server/visible_fixture.hpp"
+#include "sight/visible_fixture.hpp"
 
 #include <box2d/box2d.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <random>
 #include <vector>
 
-#include "flatland_server/beam_fan.hpp"
-#include "flatland_server/depth_buffer.hpp"
+#include "sight/beam_fan.hpp"
+#include "sight/depth_buffer.hpp"
 #include "reference_walls.hpp"
 
 namespace flatland {

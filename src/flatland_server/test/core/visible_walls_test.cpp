@@ -1,6 +1,6 @@
 /// No wall that can be seen from a box is left out, and most of the others are.
 
-#include "flatland_server/visible_walls.hpp"
+#include "sight/visible_walls.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "flatland_server/depth_buffer.hpp"
-#include "flatland_server/walls_seen_from.hpp"
+#include "sight/depth_buffer.hpp"
+#include "sight/walls_seen_from.hpp"
 #include "reference_walls.hpp"
 #include "test_rounds.hpp"
 

@@ -7,9 +7,9 @@
 #include <random>
 #include <vector>
 
-#include "flatland_server/beam_fan.hpp"
-#include "flatland_server/depth_buffer.hpp"
-#include "flatland_server/segment_tree.hpp"
+#include "sight/beam_fan.hpp"
+#include "sight/depth_buffer.hpp"
+#include "sight/segment_tree.hpp"
 #include "reference_walls.hpp"
 
 namespace flatland {

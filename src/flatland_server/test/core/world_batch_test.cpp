@@ -1,6 +1,6 @@
 /// WorldBatch: each environment is a world of its own, bit for bit.
 
-#include "flatland_server/world_batch.hpp"
+#include "batch/world_batch.hpp"
 
 #include <gtest/gtest.h>
 

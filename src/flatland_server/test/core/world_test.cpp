@@ -1,6 +1,6 @@
 /// Removal of bodies; access by one thread at a time; reproducibility.
 
-#include "flatland_server/world.hpp"
+#include "world/world.hpp"
 
 #include <gtest/gtest.h>
 

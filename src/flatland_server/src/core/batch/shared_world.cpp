@@ -1,0 +1,147 @@
+#include "batch/shared_world.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <utility>
+
+#include "world/box2d_internals.hpp"
+#include "world/layers.hpp"
+
+namespace flatland {
+namespace {
+
+std::byte* BytesOf(void* object) { return static_cast<std::byte*>(object); }
+
+}  // namespace
+
+SharedWorld::SharedWorld(std::unique_ptr<World> world, const std::vector<World::Body>& moved)
+    : world_(std::move(world)) {
+  for (const World::Body& body : moved) world_->bodies_.LetMove(body);
+  beginning_ = WorldState::Of(*world_);
+  WorldState::Clear(*world_);
+  CollectRanges();
+  for (const Range& range : ranges_) {
+    std::byte* const begin = BytesOf(range.address);
+    empty_.insert(empty_.end(), begin, begin + range.size);
+  }
+}
+
+void SharedWorld::CollectRanges() {
+  b2World& box2d_world = *world_->world_;
+  b2ContactManager& contacts = box2d::Contacts(box2d_world);
+  // The bodies of walls are before this one in Box2D's list, and so it alone knows of them.
+  const b2BodyDef last;
+  AddRange(*box2d_world.CreateBody(&last));
+  AddRange(box2d::BodyList(box2d_world));
+  AddRange(box2d::BodyCount(box2d_world));
+  AddRange(contacts.m_contactList);
+  AddRange(contacts.m_contactCount);
+  AddRange(box2d::InverseStep(box2d_world));
+  AddRange(box2d::NewContacts(box2d_world));
+  world_->bodies_.ForEach([this](World::Body, BodyRecord& record) {
+    if (!record.may_move) {
+      AddRange(box2d::ContactList(*record.body));
+      return;
+    }
+    AddRange(*record.body);
+    for (const BodyRecord::FixtureRecord& each : record.fixtures) {
+      AddRange(*box2d::FixtureInternals::Proxies(*each.fixture));
+    }
+  });
+  world_->joints_.ForEach([this](World::Joint, b2Joint* joint) {
+    if (joint->GetType() == e_weldJoint) {
+      AddRange(static_cast<b2WeldJoint&>(*joint));
+    } else {
+      AddRange(static_cast<b2RevoluteJoint&>(*joint));
+    }
+  });
+  world_->mechanisms_.ForEachMap([this](auto& map) { AddRanges(map); });
+  world_->crowds_.ForEach([this](auto, Crowd& crowd) {
+    crowd.ForEachPart([this](auto& part) {
+      static_assert(std::is_trivially_copyable_v<std::decay_t<decltype(part)>>);
+      AddRange(part);
+    });
+  });
+  JoinRanges();
+}
+
+/// Many objects are neighbours in memory, with padding between them in which no other object fits.
+void SharedWorld::JoinRanges() {
+  constexpr ptrdiff_t kLeastObject = 16;
+  std::sort(ranges_.begin(), ranges_.end(),
+            [](const Range& a, const Range& b) { return std::less<>()(a.address, b.address); });
+  std::vector<Range> joined;
+  for (const Range& range : ranges_) {
+    std::byte* const begin = BytesOf(range.address);
+    const ptrdiff_t gap = joined.empty() ? kLeastObject
+                                         : begin - BytesOf(joined.back().address) -
+                                               static_cast<ptrdiff_t>(joined.back().size);
+    if (gap < kLeastObject) {
+      joined.back().size += gap + range.size;
+    } else {
+      joined.push_back(range);
+    }
+  }
+  ranges_ = std::move(joined);
+}
+
+std::unique_ptr<SharedState> SharedWorld::MakeState() {
+  auto state = std::make_unique<SharedState>();
+  state->bytes_ = empty_;
+  state->held_.resize(world_->layers_->nearby().size());
+  state->nearby_.resize(world_->bodies_.Moving().size());
+  beginning_.Restore(Entered(*this, *state).world());
+  return state;
+}
+
+void SharedWorld::Prefetch(SharedState& state, int distance) {
+  if (distance == 3) return PrefetchObject(state);
+  if (distance == 2) {
+    PrefetchElements(state.bytes_);
+    PrefetchElements(state.nearby_);
+    return PrefetchElements(state.held_);
+  }
+  b2DynamicTree& tree = box2d::Tree(state.broad_phase_);
+  PrefetchBytes(box2d::Nodes(tree), box2d::NodeCapacity(tree) * sizeof(b2TreeNode));
+  for (const NearbyWalls::Held& held : state.held_) {
+    for (const NearbyWalls::Block& block : held) PrefetchObject(*block.body);
+  }
+}
+
+void SharedWorld::ExchangeOwn(SharedState& state) {
+  std::byte* const present = BytesOf(&box2d::Contacts(*world_->world_).m_broadPhase);
+  std::swap_ranges(present, present + sizeof(b2BroadPhase), BytesOf(&state.broad_phase_));
+  auto held = state.held_.begin();
+  for (const auto& each : world_->layers_->nearby()) each->Exchange(*held++);
+  auto nearby = state.nearby_.begin();
+  for (BodyRecord* const record : world_->bodies_.Moving()) std::swap(record->nearby, *nearby++);
+}
+
+void SharedWorld::Enter(SharedState& state) {
+  ExchangeOwn(state);
+  const std::byte* from = state.bytes_.data();
+  for (const Range& range : ranges_) {
+    std::memcpy(range.address, from, range.size);
+    from += range.size;
+  }
+  world_->bodies_.ChangePoses();
+}
+
+void SharedWorld::Leave(SharedState& state) {
+  std::byte* to = state.bytes_.data();
+  for (const Range& range : ranges_) {
+    std::memcpy(to, range.address, range.size);
+    to += range.size;
+  }
+  ExchangeOwn(state);
+}
+
+WorldState SharedWorld::Read(std::string_view bytes, SharedState& state) {
+  const Entered entered(*this, state);
+  WorldState read = WorldState::Read(bytes, entered.world());
+  read.RequireSameStill(entered.world());
+  return read;
+}
+
+}  // namespace flatland

@@ -1,0 +1,102 @@
+#pragma once
+
+/// Many states of one world, which share all that does not change.
+///
+/// Need. Thousands of environments that begin alike. Each could be a World; but a visit of one
+/// after the other would take twice as long, since Box2D spreads a world over 90 KB of memory.
+///
+/// Method. There is one World. Before a step, another state takes the place of its present one:
+///
+/// - What every state has is exchanged byte by byte: Box2D's bodies that may move, the boxes of
+///   their fixtures, and joints; drives, tweens and crowds. These objects stay at their places, so
+///   all pointers between them stay right.
+/// - What a state alone has, because Box2D made it in this state, stays where it is: contacts, the
+///   walls near bodies, and the tree of bounding boxes. Only the pointers to it are exchanged.
+///
+/// So a state makes, bit for bit, the steps that a World of its own makes.
+
+#include <cstddef>
+#include <memory>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "world/world.hpp"
+#include "world/nearby_walls.hpp"
+#include "base/prefetch.hpp"
+#include "world/world_state.hpp"
+
+namespace flatland {
+
+/// The part of a SharedWorld that each environment has for itself.
+class SharedState {
+ private:
+  friend class SharedWorld;
+  std::vector<std::byte> bytes_;            // of the ranges, one after the other
+  b2BroadPhase broad_phase_;                // with the tree of bounding boxes
+  std::vector<NearbyWalls::Held> held_;     // of each layer
+  std::vector<BodyRecord::Nearby> nearby_;  // of each body that may move
+};
+
+class SharedWorld {
+ public:
+  /// Takes a world, which must not be given to anything else. Nothing may be added to it or removed
+  /// any more. Of static bodies, only `moved` may be moved.
+  explicit SharedWorld(std::unique_ptr<World> world, const std::vector<World::Body>& moved = {});
+
+  /// A new state: that of the world at the beginning. To be destroyed before the SharedWorld.
+  std::unique_ptr<SharedState> MakeState();
+  /// Tells the processor to fetch what a state consists of from memory, while it does something
+  /// else: first where its arrays are, then the ranges, and then what these refer to.
+  static void Prefetch(SharedState& state, int distance);
+  /// The world in a state, which keeps what becomes of it. There is one at a time.
+  class Entered {
+   public:
+    Entered(SharedWorld& shared, SharedState& state) : shared_(shared), state_(state) {
+      shared.Enter(state);
+    }
+    ~Entered() { shared_.Leave(state_); }
+    Entered(const Entered&) = delete;
+    Entered& operator=(const Entered&) = delete;
+    World& world() const { return *shared_.world_; }
+
+   private:
+    SharedWorld& shared_;
+    SharedState& state_;
+  };
+
+  /// The state at the beginning, to restore an entered world.
+  const WorldState& beginning() const { return beginning_; }
+  /// A state for any entered world. `state`: one of this world. Throws std::invalid_argument if the
+  /// bytes are damaged, or if something is different that states share.
+  WorldState Read(std::string_view bytes, SharedState& state);
+
+ private:
+  /// Memory that steps change.
+  struct Range {
+    void* address;
+    size_t size;
+  };
+  template <class T>
+  void AddRange(T& object) {
+    ranges_.push_back({&object, sizeof(T)});
+  }
+  template <class Mechanism>
+  void AddRanges(SlotMap<Mounted<Mechanism>>& mechanisms) {
+    static_assert(std::is_trivially_copyable_v<Mechanism>);
+    mechanisms.ForEach([this](auto, Mounted<Mechanism>& each) { AddRange(each.mechanism); });
+  }
+  void Enter(SharedState& state);
+  void Leave(SharedState& state);
+  void CollectRanges();
+  void JoinRanges();
+  /// Exchanges the pointers to what the state alone has.
+  void ExchangeOwn(SharedState& state);
+
+  std::unique_ptr<World> world_;
+  WorldState beginning_;
+  std::vector<Range> ranges_;
+  std::vector<std::byte> empty_;  // the ranges of a state that has nothing of its own
+};
+
+}  // namespace flatland

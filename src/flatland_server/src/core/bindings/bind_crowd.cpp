@@ -1,0 +1,118 @@
+/// Crowd in Python.
+
+#include "bindings/bindings.hpp"
+#include "people/orca.hpp"
+
+namespace flatland {
+namespace {
+
+template <class T>
+using Array = py::array_t<T, py::array::c_style>;
+
+using Forces = std::tuple<double, double, double, double, double, double>;
+
+using OrcaNumbers = std::tuple<double, double, double, int>;
+
+OrcaSettings ToOrca(const OrcaNumbers& numbers) {
+  OrcaSettings orca;
+  std::tie(orca.horizon, orca.wall_horizon, orca.distance, orca.neighbors) = numbers;
+  return orca;
+}
+
+PyCrowd AddCrowd(PyWorld& self, uint64_t key, LayerBits layers, double period, double goal_radius,
+                 const Forces& forces, const std::optional<OrcaNumbers>& orca) {
+  SocialForce force;
+  std::tie(force.relaxation_time, force.repulsion, force.range, force.evasion,
+           force.side_preference, force.noise) = forces;
+  CrowdSettings settings{layers, period * 1e9, goal_radius, force, std::nullopt};
+  if (orca) settings.orca = ToOrca(*orca);
+  return {self.world, self.world->AddCrowd(settings, key)};
+}
+
+void AddPerson(PyCrowd& self, const PyBody& body, const std::vector<Pair>& goals, double radius,
+               double speed, const std::vector<PyBody>& legs, const std::optional<PyBody>& circle,
+               double leg_offset, double walk_ratio, const Pair& leg_radii, const Triple& attention,
+               int group, const std::optional<std::pair<Pair, Pair>>& area, bool stands) {
+  PersonSettings person;
+  person.body = body.handle;
+  for (const PyBody& leg : legs) person.legs.push_back(leg.handle);
+  if (circle) person.circle = circle->handle;
+  for (const Pair& goal : goals) person.goals.push_back(ToVec2(goal));
+  person.radius = radius;
+  person.speed = speed;
+  person.leg_offset = leg_offset;
+  person.walk_ratio = walk_ratio;
+  std::tie(person.leg_radius, person.swing_radius) = leg_radii;
+  std::tie(person.yields, person.reaction_time, person.field_of_view) = attention;
+  person.group = group;
+  if (area) person.area = Area{ToVec2(area->first), ToVec2(area->second)};
+  person.stands = stands;
+  self.world->AddPerson(self.handle, person);
+}
+
+std::vector<Triple> GetRooms(PyCrowd& self) {
+  std::vector<Triple> rooms;
+  for (const Crowd::Room& room : self.world->GetRooms(self.handle)) {
+    rooms.emplace_back(room.wall, room.body, room.person);
+  }
+  return rooms;
+}
+
+Pair ChooseOrcaVelocity(const Pair& velocity, const Pair& preferred, const Array<double>& neighbors,
+                        const Array<double>& walls, double most, double horizon,
+                        double wall_horizon, double dt) {
+  if (neighbors.ndim() != 2 || neighbors.shape(1) != 6) {
+    throw std::invalid_argument("expected neighbors of shape (n, 6)");
+  }
+  if (walls.ndim() != 2 || walls.shape(1) != 3) {
+    throw std::invalid_argument("expected walls of shape (n, 3)");
+  }
+  OrcaSettings{horizon, wall_horizon, 1.0, 1}.Require();
+  if (!(dt > 0.0 && most >= 0.0)) {
+    throw std::invalid_argument("expected a time above zero and a speed of zero or more");
+  }
+  std::vector<HalfPlane> planes;
+  const double* wall = walls.data();
+  for (py::ssize_t i = 0; i < walls.shape(0); ++i, wall += 3) {
+    planes.push_back(AvoidWall({wall[0], {wall[1], wall[2]}}, wall_horizon));
+  }
+  const double* each = neighbors.data();
+  for (py::ssize_t i = 0; i < neighbors.shape(0); ++i, each += 6) {
+    planes.push_back(AvoidNeighbor({{each[0], each[1]}, {each[2], each[3]}, each[4], each[5]},
+                                   ToVec2(velocity), horizon, dt));
+  }
+  const auto kept = static_cast<size_t>(walls.shape(0));
+  return ToTuple(ChooseVelocity(planes, kept, ToVec2(preferred), most));
+}
+
+}  // namespace
+
+void BindCrowd(py::module_& m) {
+  py::class_<PyCrowd>(m, "Crowd")
+      .def("add_person", &AddPerson, py::arg("body"), py::kw_only(), py::arg("goals"),
+           py::arg("radius"), py::arg("speed"), py::arg("legs") = std::vector<PyBody>{},
+           py::arg("circle") = py::none(), py::arg("leg_offset") = 0.0, py::arg("walk_ratio") = 0.0,
+           py::arg("leg_radii") = Pair{0.0, 0.0},
+           py::arg("attention") = Triple{1.0, 0.0, 2.0 * M_PI}, py::arg("group") = -1,
+           py::arg("area") = py::none(), py::arg("stands") = false)
+      .def(
+          "follow",
+          [](PyCrowd& self, size_t person, const Pair& point, const Pair& velocity) {
+            self.world->Get(self.handle).Follow(person, ToVec2(point), ToVec2(velocity));
+          },
+          py::arg("person"), py::arg("point"), py::arg("velocity"))
+      .def("remove", [](PyCrowd& self) { self.world->RemoveCrowd(self.handle); })
+      .def("rooms", &GetRooms)
+      .def("scatter", [](PyCrowd& self) { self.world->ScatterCrowd(self.handle); });
+  m.def("orca_velocity", &ChooseOrcaVelocity, py::arg("velocity"), py::arg("preferred"),
+        py::arg("neighbors").noconvert(), py::arg("walls").noconvert(), py::kw_only(),
+        py::arg("most"), py::arg("horizon"), py::arg("wall_horizon"), py::arg("dt"));
+}
+
+void BindCrowdsOf(py::class_<PyWorld>& world) {
+  world.def("add_crowd", &AddCrowd, py::arg("key"), py::kw_only(), py::arg("layers"),
+            py::arg("period"), py::arg("goal_radius"), py::arg("forces"),
+            py::arg("orca") = py::none());
+}
+
+}  // namespace flatland

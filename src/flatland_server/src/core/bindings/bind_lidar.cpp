@@ -1,0 +1,80 @@
+/// BeamFan and Lidar in Python, and scans from any pose. They release the GIL.
+
+#include <algorithm>
+
+#include "bindings/bindings.hpp"
+#include "bindings/fast_method.hpp"
+
+namespace flatland {
+namespace {
+
+py::tuple Scan(const PyWorld& self, const BeamFan& fan, const Triple& pose, double range,
+               LayerBits layers, LayerBits reflectance_layers) {
+  py::array_t<float> ranges(fan.size());
+  py::array_t<float> intensities(fan.size());
+  float* ranges_out = ranges.mutable_data();
+  float* intensities_out = intensities.mutable_data();
+  {
+    const World::AccessGuard guard(*self.world);
+    const py::gil_scoped_release release;
+    self.world->lidars().Scan(fan, ToPose(pose), {range, layers, reflectance_layers}, ranges_out,
+                              intensities_out, guard);
+  }
+  return py::make_tuple(ranges, intensities);
+}
+
+const Lidar& ScanReleased(PyLidar& self, const World::AccessGuard& guard) {
+  const py::gil_scoped_release release;
+  return self.world->lidars().Scan(self.handle, guard);
+}
+
+py::array_t<float> CopyOf(const std::vector<float>& values) {
+  py::array_t<float> array(static_cast<py::ssize_t>(values.size()));
+  std::copy(values.begin(), values.end(), array.mutable_data());
+  return array;
+}
+
+// The guards are held until the arrays are copied: another thread may change the world after them.
+
+py::tuple ScanLidar(PyLidar& self) {
+  const World::AccessGuard guard(*self.world);
+  const Lidar& lidar = ScanReleased(self, guard);
+  return py::make_tuple(CopyOf(lidar.ranges), CopyOf(lidar.intensities));
+}
+
+py::array_t<float> RangesOf(PyLidar& self) {
+  const World::AccessGuard guard(*self.world);
+  return CopyOf(ScanReleased(self, guard).ranges);
+}
+
+}  // namespace
+
+void BindLidar(py::module_& m) {
+  py::class_<BeamFan, std::shared_ptr<BeamFan>>(m, "BeamFan")
+      .def(py::init<double, double, int>(), py::arg("angle_min"), py::arg("increment"),
+           py::arg("count"))
+      .def("__len__", &BeamFan::size);
+  py::class_<PyLidar> lidar(m, "Lidar");
+  lidar.def("expect_scan", [](PyLidar& self) { self.world->lidars().Expect(self.handle); })
+      .def("scan", &ScanLidar);
+  DefineFast<&RangesOf>(lidar, "ranges");
+}
+
+void BindLidarsOf(py::class_<PyBody>& body) {
+  body.def(
+      "add_lidar",
+      [](PyBody& self, const std::shared_ptr<BeamFan>& fan, const Triple& pose, double range,
+         LayerBits layers, LayerBits reflectance_layers) {
+        const LidarSettings settings{fan, ToPose(pose), {range, layers, reflectance_layers}};
+        return PyLidar{self.world, self.world->lidars().Add(self.handle, settings)};
+      },
+      py::arg("fan"), py::arg("pose"), py::arg("range"), py::arg("layers") = kAllLayers,
+      py::arg("reflectance_layers") = 0);
+}
+
+void BindScansOf(py::class_<PyWorld>& world) {
+  world.def("scan", &Scan, py::arg("fan"), py::arg("pose"), py::arg("range"),
+            py::arg("layers") = kAllLayers, py::arg("reflectance_layers") = 0);
+}
+
+}  // namespace flatland

@@ -1,0 +1,50 @@
+/// RangeNoise in Python: for one scan, and for those of many environments.
+
+#include <algorithm>
+#include <optional>
+
+#include "bindings/bindings.hpp"
+#include "sight/range_noise.hpp"
+
+namespace flatland {
+namespace {
+
+using Ranges = py::array_t<float, py::array::c_style>;
+template <class T>
+using Values = py::array_t<T, py::array::c_style>;
+
+Ranges WithNoise(const RangeNoise& self, const Ranges& ranges, int64_t nanoseconds) {
+  Ranges result(ranges.size());
+  std::copy(ranges.data(), ranges.data() + ranges.size(), result.mutable_data());
+  self.AddTo(result.mutable_data(), static_cast<int>(result.size()), nanoseconds);
+  return result;
+}
+
+void AddToRows(const RangeNoise& self, Ranges ranges, const Values<uint64_t>& keys,
+               const Values<int64_t>& nanoseconds, const std::optional<Values<bool>>& mask) {
+  const py::ssize_t rows = ranges.ndim() == 2 ? ranges.shape(0) : -1;
+  if (rows != keys.size() || rows != nanoseconds.size() || (mask && mask->size() != rows)) {
+    throw std::invalid_argument("expected ranges (n, beams), and n keys, times and booleans");
+  }
+  float* row = ranges.mutable_data();
+  const auto beams = static_cast<int>(ranges.shape(1));
+  const py::gil_scoped_release release;
+  for (py::ssize_t k = 0; k < rows; ++k, row += beams) {
+    if (mask && !mask->data()[k]) continue;
+    self.WithKey(keys.data()[k]).AddTo(row, beams, nanoseconds.data()[k]);
+  }
+}
+
+}  // namespace
+
+void BindRangeNoise(py::module_& m) {
+  py::class_<RangeNoise>(m, "RangeNoise")
+      .def(py::init<uint64_t, double, double>(), py::arg("key"), py::arg("std_dev"),
+           py::arg("max_range"))
+      .def_property_readonly("key", &RangeNoise::key)
+      .def("__call__", &WithNoise, py::arg("ranges").noconvert(), py::arg("nanoseconds"))
+      .def("add_to_rows", &AddToRows, py::arg("ranges").noconvert(), py::arg("keys").noconvert(),
+           py::arg("nanoseconds").noconvert(), py::arg("mask").noconvert().none(true));
+}
+
+}  // namespace flatland

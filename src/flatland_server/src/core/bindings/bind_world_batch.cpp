@@ -1,0 +1,267 @@
+/// WorldBatch: many environments in one call.
+
+#include <algorithm>
+
+#include "bindings/bindings.hpp"
+#include "batch/world_batch.hpp"
+
+namespace flatland {
+namespace {
+
+template <class T>
+using Array = py::array_t<T, py::array::c_style>;
+
+/// A batch, and the mark that a call is in progress while the GIL is released.
+struct PyWorldBatch {
+  WorldBatch batch;
+  bool is_in_use = false;
+};
+
+class Use {
+ public:
+  explicit Use(PyWorldBatch& batch) : batch_(batch) {
+    if (batch.is_in_use) throw std::logic_error("the batch is in use by another thread");
+    batch.is_in_use = true;
+  }
+  ~Use() { batch_.is_in_use = false; }
+  Use(const Use&) = delete;
+  Use& operator=(const Use&) = delete;
+
+ private:
+  PyWorldBatch& batch_;
+};
+
+template <class T>
+void RequireShape(const Array<T>& array, const char* name, py::ssize_t rows, py::ssize_t columns) {
+  const bool fits = columns == 0
+                        ? array.ndim() == 1 && array.shape(0) == rows
+                        : array.ndim() == 2 && array.shape(0) == rows && array.shape(1) == columns;
+  if (!fits) throw std::invalid_argument(std::string("an array has the wrong shape: ") + name);
+}
+
+/// Pointers to the arrays (ranges, poses, velocities, local_velocities, collided, steps), which are
+/// written to in place.
+BatchRows ToRows(const WorldBatch& batch, const py::tuple& out) {
+  if (out.size() != 6) throw std::invalid_argument("expected six arrays");
+  const auto rows = [&](int i, const char* name, py::ssize_t columns, auto type) {
+    using T = decltype(type);
+    if (!py::isinstance<Array<T>>(out[i])) {
+      throw std::invalid_argument(std::string("an array has the wrong type: ") + name);
+    }
+    auto array = py::reinterpret_borrow<Array<T>>(out[i]);
+    RequireShape(array, name, i == 5 ? batch.count() : batch.row_count(), columns);
+    return array.mutable_data();  // throws std::domain_error if it is read-only
+  };
+  return {rows(0, "ranges", batch.beams(), float()),
+          rows(1, "poses", 3, double()),
+          rows(2, "velocities", 3, double()),
+          rows(3, "local_velocities", 3, double()),
+          rows(4, "collided", 0, bool()),
+          rows(5, "steps", 0, int64_t())};
+}
+
+void RequireActionShapes(const WorldBatch& batch, const Array<double>& actions,
+                         const std::optional<Array<bool>>& mask) {
+  RequireShape(actions, "actions", batch.row_count(), batch.action_size());
+  if (mask) RequireShape(*mask, "mask", batch.row_count(), 0);
+}
+
+void RequireActions(const PyWorldBatch& self, const Array<double>& actions,
+                    const std::optional<Array<bool>>& mask) {
+  RequireActionShapes(self.batch, actions, mask);
+  self.batch.RequireActions(actions.data(), mask ? mask->data() : nullptr);
+}
+
+void Step(PyWorldBatch& self, const Array<double>& actions, int substeps, double dt,
+          const std::optional<py::tuple>& out, bool goes_on,
+          const std::optional<Array<bool>>& mask) {
+  RequireActionShapes(self.batch, actions, mask);
+  std::optional<BatchRows> rows;
+  if (out) rows = ToRows(self.batch, *out);
+  const bool* chosen = mask ? mask->data() : nullptr;
+  const Use use(self);
+  const py::gil_scoped_release release;
+  if (rows) {
+    self.batch.Step(actions.data(), substeps, dt, *rows, goes_on, chosen);
+  } else {
+    self.batch.Advance(actions.data(), substeps, dt, goes_on, chosen);
+  }
+}
+
+void Reset(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
+           const std::optional<Array<double>>& poses, const py::tuple& out,
+           const std::optional<Array<double>>& model_poses) {
+  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+  if (poses) RequireShape(*poses, "poses", self.batch.row_count(), 3);
+  if (model_poses) {
+    RequireShape(*model_poses, "model_poses", self.batch.count(), 3 * self.batch.model_count());
+  }
+  const BatchRows rows = ToRows(self.batch, out);
+  const Use use(self);
+  const py::gil_scoped_release release;
+  self.batch.Reset(mask ? mask->data() : nullptr, poses ? poses->data() : nullptr, rows,
+                   model_poses ? model_poses->data() : nullptr);
+}
+
+void MoveRobots(PyWorldBatch& self, const Array<double>& poses,
+                const std::optional<Array<bool>>& mask) {
+  RequireShape(poses, "poses", self.batch.row_count(), 3);
+  if (mask) RequireShape(*mask, "mask", self.batch.row_count(), 0);
+  const Use use(self);
+  const py::gil_scoped_release release;
+  self.batch.MoveRobots(mask ? mask->data() : nullptr, poses.data());
+}
+
+void LoadStates(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
+                const std::vector<py::bytes>& states, const Array<int64_t>& chosen,
+                const Array<int64_t>& steps, const py::tuple& out) {
+  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+  RequireShape(chosen, "chosen", self.batch.count(), 0);
+  RequireShape(steps, "steps", self.batch.count(), 0);
+  const BatchRows rows = ToRows(self.batch, out);
+  std::vector<std::string_view> views;
+  for (const py::bytes& state : states) views.push_back(state);
+  const Use use(self);
+  const py::gil_scoped_release release;
+  self.batch.LoadStates(mask ? mask->data() : nullptr, views, chosen.data(), steps.data(), rows);
+}
+
+void Observe(PyWorldBatch& self, const py::tuple& out) {
+  const BatchRows rows = ToRows(self.batch, out);
+  const Use use(self);
+  const py::gil_scoped_release release;
+  self.batch.Observe(rows);
+}
+
+std::vector<World::Body> ToHandles(const std::vector<PyBody>& bodies) {
+  std::vector<World::Body> handles;
+  for (const PyBody& body : bodies) handles.push_back(body.handle);
+  return handles;
+}
+
+void SeedCrowd(PyWorldBatch& self, const PyCrowd& crowd, const Array<uint64_t>& keys,
+               const std::optional<Array<bool>>& mask) {
+  RequireShape(keys, "keys", self.batch.count(), 0);
+  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+  const Use use(self);
+  const py::gil_scoped_release release;
+  self.batch.SeedCrowd(mask ? mask->data() : nullptr, crowd.handle, keys.data());
+}
+
+/// Poses and velocities: two arrays of shape (count, bodies, 3), with zeros where the mask does not
+/// choose.
+py::tuple GetMotions(PyWorldBatch& self, const std::vector<PyBody>& bodies,
+                     const std::optional<Array<bool>>& mask) {
+  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+  const std::vector<py::ssize_t> shape{self.batch.count(), static_cast<py::ssize_t>(bodies.size()),
+                                       3};
+  Array<double> poses(shape), velocities(shape);
+  std::fill_n(poses.mutable_data(), poses.size(), 0.0);
+  std::fill_n(velocities.mutable_data(), velocities.size(), 0.0);
+  const std::vector<World::Body> handles = ToHandles(bodies);
+  {
+    const Use use(self);
+    const py::gil_scoped_release release;
+    self.batch.GetMotions(mask ? mask->data() : nullptr, handles, poses.mutable_data(),
+                          velocities.mutable_data());
+  }
+  return py::make_tuple(poses, velocities);
+}
+
+void SetVelocities(PyWorldBatch& self, const std::vector<PyBody>& bodies,
+                   const Array<double>& velocities, const std::optional<Array<bool>>& mask) {
+  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+  RequireShape(velocities, "velocities", self.batch.count(),
+               3 * static_cast<py::ssize_t>(bodies.size()));
+  const std::vector<World::Body> handles = ToHandles(bodies);
+  const Use use(self);
+  const py::gil_scoped_release release;
+  self.batch.SetVelocities(mask ? mask->data() : nullptr, handles, velocities.data());
+}
+
+/// Bodies, base, drive, columns and lidar.
+using PyRobot =
+    std::tuple<std::vector<PyBody>, Triple, py::object, std::vector<int>, const PyLidar*>;
+
+BatchRobot ToRobot(const PyRobot& values) {
+  const auto& [bodies, base, drive, columns, lidar] = values;
+  BatchRobot robot;
+  robot.bodies = ToHandles(bodies);
+  robot.base = ToPose(base);
+  if (py::isinstance<PyTricycle>(drive)) {
+    robot.drive = drive.cast<const PyTricycle&>().handle;
+  } else {
+    robot.drive = drive.cast<const PyDrive&>().handle;
+  }
+  robot.columns = {-1, -1, -1};
+  robot.action_size = static_cast<int>(columns.size());
+  for (int i = 0; i < robot.action_size; ++i) {
+    if (columns[i] < 0 || columns[i] > 2) throw std::invalid_argument("a column is 0, 1 or 2");
+    robot.columns[columns[i]] = i;
+  }
+  robot.lidar = lidar->handle;
+  return robot;
+}
+
+std::vector<BatchModel> ToModels(
+    const std::vector<std::pair<std::vector<PyBody>, Triple>>& models) {
+  std::vector<BatchModel> converted;
+  for (const auto& [bodies, base] : models) {
+    BatchModel& model = converted.emplace_back();
+    model.bodies = ToHandles(bodies);
+    model.base = ToPose(base);
+  }
+  return converted;
+}
+
+}  // namespace
+
+void BindWorldBatch(py::module_& m) {
+  py::class_<PyWorldBatch>(m, "WorldBatch")
+      .def(
+          py::init(
+              [](const PyWorld& world, const std::vector<PyRobot>& robots, int count, int threads,
+                 const std::vector<std::pair<std::vector<PyBody>, Triple>>& models, int64_t steps) {
+                std::vector<BatchRobot> converted;
+                for (const PyRobot& robot : robots) converted.push_back(ToRobot(robot));
+                return std::unique_ptr<PyWorldBatch>(new PyWorldBatch{
+                    {*world.world, converted, count, threads, ToModels(models), steps}});
+              }),
+          py::arg("world"), py::kw_only(), py::arg("robots"), py::arg("count"), py::arg("threads"),
+          py::arg("models"), py::arg("steps") = 0)
+      .def_property_readonly("beams", [](const PyWorldBatch& self) { return self.batch.beams(); })
+      .def("require_actions", &RequireActions, py::arg("actions").noconvert(),
+           py::arg("mask").noconvert().none(true))
+      .def("step", &Step, py::arg("actions").noconvert(), py::arg("substeps"), py::arg("dt"),
+           py::arg("out").none(true), py::arg("goes_on") = false,
+           py::arg("mask").noconvert().none(true) = py::none())
+      .def("reset", &Reset, py::arg("mask").noconvert().none(true),
+           py::arg("poses").noconvert().none(true), py::arg("out"),
+           py::arg("model_poses").noconvert().none(true))
+      .def("move_robots", &MoveRobots, py::arg("poses").noconvert(),
+           py::arg("mask").noconvert().none(true))
+      .def(
+          "save_state",
+          [](PyWorldBatch& self, int row) {
+            const Use use(self);
+            return py::bytes(self.batch.SaveState(row));
+          },
+          py::arg("row"))
+      .def("load_states", &LoadStates, py::arg("mask").noconvert().none(true), py::arg("states"),
+           py::arg("chosen").noconvert(), py::arg("steps").noconvert(), py::arg("out"))
+      .def("observe", &Observe, py::arg("out"))
+      .def(
+          "replace",
+          [](PyWorldBatch& self, int row, const PyWorld& world) {
+            const Use use(self);
+            self.batch.Replace(row, *world.world);
+          },
+          py::arg("row"), py::arg("world"))
+      .def("seed_crowd", &SeedCrowd, py::arg("crowd"), py::arg("keys").noconvert(),
+           py::arg("mask").noconvert().none(true))
+      .def("motions", &GetMotions, py::arg("bodies"), py::arg("mask").noconvert().none(true))
+      .def("set_velocities", &SetVelocities, py::arg("bodies"), py::arg("velocities").noconvert(),
+           py::arg("mask").noconvert().none(true));
+}
+
+}  // namespace flatland

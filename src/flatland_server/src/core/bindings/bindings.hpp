@@ -1,0 +1,121 @@
+#pragma once
+
+/// Shared by the parts of the bindings: the classes that Python gets, and conversions of tuples.
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <exception>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "world/world.hpp"
+
+namespace flatland {
+
+namespace py = pybind11;
+
+using Pair = std::pair<double, double>;
+using Triple = std::tuple<double, double, double>;
+
+b2BodyType ToBodyType(const std::string& name);
+inline Vec2 ToVec2(const Pair& pair) { return {pair.first, pair.second}; }
+inline Pose ToPose(const Triple& t) { return {std::get<0>(t), std::get<1>(t), std::get<2>(t)}; }
+inline Twist ToTwist(const Triple& t) { return {std::get<0>(t), std::get<1>(t), std::get<2>(t)}; }
+inline Pair ToTuple(Vec2 v) { return {v.x, v.y}; }
+inline Triple ToTuple(const Pose& pose) { return {pose.x, pose.y, pose.yaw}; }
+inline Triple ToTuple(const Twist& twist) { return {twist.vx, twist.vy, twist.omega}; }
+
+/// Calls a Python function for each contact event.
+class PyListener : public ContactListener {
+ public:
+  void SetCallback(const std::shared_ptr<World>& world, py::object callback);
+  void OnContact(Contact& contact) override;
+  /// Throws the first exception that the function has raised since the last call. Needs the GIL.
+  void Rethrow();
+
+ private:
+  void Call(const Contact& contact, const py::object& wrapped) const;
+
+  std::weak_ptr<World> world_;
+  py::object callback_;
+  std::exception_ptr error_;
+};
+
+/// A world and its contact listener. Handles of bodies and other things keep both alive.
+struct ListenedWorld {
+  ListenedWorld(int velocity_iterations, int position_iterations)
+      : world(velocity_iterations, position_iterations) {}
+  PyListener listener;
+  World world;
+};
+
+/// Throws the first exception that the contact listener has raised since the last call. Needs the
+/// GIL.
+inline void RethrowFromListener(World& world) {
+  if (world.contacts().listener() != nullptr) {
+    static_cast<PyListener*>(world.contacts().listener())->Rethrow();
+  }
+}
+
+struct PyWorld {
+  explicit PyWorld(const std::shared_ptr<ListenedWorld>& owner)
+      : owner(owner), world(owner, &owner->world) {}
+  std::shared_ptr<ListenedWorld> owner;
+  std::shared_ptr<World> world;
+};
+
+/// A handle in Python: the handle, and the world that it belongs to.
+template <class Handle>
+struct Owned {
+  std::shared_ptr<World> world;
+  Handle handle;
+};
+using PyBody = Owned<World::Body>;
+using PyFixture = Owned<Fixture>;
+using PyJoint = Owned<World::Joint>;
+using PyDrive = Owned<World::Drive>;
+using PyTricycle = Owned<World::Tricycle>;
+using PyTween = Owned<World::Tween>;
+using PyDrift = Owned<World::Drift>;
+using PyCrowd = Owned<World::CrowdHandle>;
+using PyLidar = Owned<World::LidarHandle>;
+
+/// A number that no other body of a world has or had.
+inline uint64_t IdOf(World::Body body) {
+  return static_cast<uint64_t>(body.generation) << 32 | body.index;
+}
+
+// Each adds its classes to the module; the functions "Of" add the methods of a class that concern
+// them.
+void BindLidar(py::module_& m);
+void BindLidarsOf(py::class_<PyBody>& body);
+void BindScansOf(py::class_<PyWorld>& world);
+void BindJoint(py::module_& m);
+void BindJointsOf(py::class_<PyBody>& body);
+void BindDrive(py::module_& m);
+void BindDrivesOf(py::class_<PyBody>& body);
+void BindCrowd(py::module_& m);
+void BindCrowdsOf(py::class_<PyWorld>& world);
+void BindBody(py::class_<PyBody>& body);
+void BindBodyGroup(py::module_& m);
+void BindMessages(py::module_& m);
+void BindFixture(py::class_<PyFixture>& fixture);
+void BindFixturesOf(py::class_<PyBody>& body);
+void BindFixtureChecker(py::module_& m);
+void BindFloorSquares(py::module_& m);
+void BindGoalObserver(py::module_& m);
+void BindContacts(py::module_& m);
+void BindPriorityGuard(py::module_& m);
+void BindRangeNoise(py::module_& m);
+void BindWorldBatch(py::module_& m);
+
+/// Gives everything in the module its docstring. Returns false, with Python's error set, if the
+/// stub has something that the module has not.
+bool SetDocs(PyObject* module);
+
+}  // namespace flatland

@@ -1,0 +1,43 @@
+#pragma once
+
+/// Moves a driven body along the exact arc of a twist in each step.
+
+#include <box2d/box2d.h>
+
+#include "base/geometry.hpp"
+
+namespace flatland {
+
+/// One body's motion, step by step. Box2D moves the centre of mass along a straight line in a step.
+/// This chooses the velocity such that the body's origin ends on the arc of the commanded twist,
+/// and after the step gives the body the velocity at the end of the arc.
+class ArcMotion {
+ public:
+  /// Sets the body's velocity for the next step of `dt` [s]. `mean` is the mean twist of its origin
+  /// over the step, in its frame [m/s, m/s, rad/s]. Bodies rigidly welded to it, and wheels hinged
+  /// to it at their own centre, get the matching velocity too: otherwise they would slow it down
+  /// until the solver has accelerated them.
+  void Begin(b2Body& body, const Twist& mean, double dt);
+
+  /// After the step: sets the body's velocity to the twist at the end of the arc, minus what it
+  /// lost during the step, as by damping. If it lost much, as by hitting a wall, its velocity
+  /// stays.
+  void End(b2Body& body, const Twist& at_end);
+
+  /// Writes or reads what it keeps from step to step; see archive.hpp.
+  template <class Archive>
+  void Serialize(Archive& archive) {
+    archive(rounding_error_);
+  }
+
+ private:
+  b2Vec2 commanded_velocity_ = b2Vec2_zero;  // of the centre of mass, in the world's frame [m/s]
+  float commanded_omega_ = 0.0f;             // [rad/s]
+  // Where the step should put the centre of mass, and how far rounding kept it from there. At a
+  // steady speed every step is rounded alike, by 2 um at 50 m from the origin, so the error would
+  // add up: each step corrects that of the one before.
+  Pose target_;
+  Pose rounding_error_;
+};
+
+}  // namespace flatland

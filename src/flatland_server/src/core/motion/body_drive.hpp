@@ -1,0 +1,51 @@
+#pragma once
+
+/// Drives a body at a commanded velocity, within limits of velocity and acceleration.
+
+#include <box2d/box2d.h>
+
+#include "motion/arc_motion.hpp"
+#include "motion/dynamics_limits.hpp"
+#include "base/geometry.hpp"
+
+namespace flatland {
+
+/// The drive of one body. Velocities are those of the body's origin, in the body's frame
+/// [m/s, m/s, rad/s].
+class BodyDrive {
+ public:
+  BodyDrive() = default;
+  /// `linear` limits the length of the planar velocity [m/s, m/s^2], `angular` the yaw rate
+  /// [rad/s, rad/s^2]. Throws std::invalid_argument if a limit is negative or not finite.
+  BodyDrive(const DynamicsLimits& linear, const DynamicsLimits& angular);
+
+  /// Sets the velocity to reach. Throws std::invalid_argument if it is not finite.
+  void Command(const Twist& target);
+  /// The velocity to reach.
+  const Twist& target() const { return target_; }
+  /// The present velocity, on its way to the target.
+  const Twist& velocity() const { return velocity_; }
+  /// Sets the velocity and the target to zero at once.
+  void Reset();
+
+  /// Sets the body's velocity for the next step of `dt` [s].
+  void BeginStep(b2Body& body, double dt);
+  /// Sets the body's velocity after the step.
+  void EndStep(b2Body& body);
+
+  /// Writes or reads what it keeps from step to step; see archive.hpp.
+  template <class Archive>
+  void Serialize(Archive& archive) {
+    archive(target_, velocity_, motion_);
+  }
+
+ private:
+  DynamicsLimits linear_;
+  DynamicsLimits angular_;
+  Twist target_;
+  Twist velocity_;
+  ArcMotion motion_;
+  bool is_idle_ = false;  // the body sleeps and is not to move: this step is skipped
+};
+
+}  // namespace flatland

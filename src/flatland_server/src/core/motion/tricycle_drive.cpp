@@ -1,0 +1,75 @@
+#include "motion/tricycle_drive.hpp"
+
+#include <algorithm>
+
+#include "base/box2d_limits.hpp"
+
+namespace flatland {
+
+TricycleDrive::TricycleDrive(const TricycleSettings& settings, b2RevoluteJoint* front_wheel)
+    : settings_(settings), front_wheel_(front_wheel) {
+  settings.linear.Check();
+  settings.steering.Check();
+  RequirePosition(settings.rear_axle);
+  RequireNotNegative(settings.max_steer_angle, "max_steer_angle must be finite and not negative");
+  wheelbase_ = std::hypot(settings.rear_axle.x, settings.rear_axle.y);
+  Require(wheelbase_ >= 1e-3, "the rear axle must be apart from the front wheel");
+  heading_ = std::atan2(-settings.rear_axle.y, -settings.rear_axle.x);
+}
+
+void TricycleDrive::Command(double speed, double angle) {
+  Require(IsUsable(speed) && IsUsable(angle),
+          "a commanded speed and steering angle must be finite");
+  const double most = settings_.max_steer_angle;
+  target_speed_ = speed;
+  target_angle_ = most > 0.0 ? std::clamp(angle, -most, most) : angle;
+}
+
+void TricycleDrive::Reset() {
+  target_speed_ = speed_ = 0.0;
+  target_angle_ = steering_.angle;
+  steering_.rate = 0.0;
+}
+
+// The rear axle does not slip sideways: with the front wheel rolling at v and angle d, and the
+// wheelbase L, v sin d - omega L = 0 (Siciliano et al., "Robotics", 11.2.2, front-wheel drive).
+Twist TricycleDrive::TwistAt(double speed, double angle) {
+  if (angle != direction_.angle) {
+    direction_ = {angle, Rotation(heading_ + angle), std::sin(angle)};
+  }
+  const Vec2 velocity = direction_.rotation.Apply({speed, 0.0});
+  return {velocity.x, velocity.y, speed * direction_.sin / wheelbase_};
+}
+
+void TricycleDrive::BeginStep(b2Body& body, double dt) {
+  const VelocityChange rolling = settings_.linear.Approach({speed_, 0.0}, {target_speed_, 0.0}, dt);
+  const double halfway = Steer(steering_, target_angle_, settings_.steering, 0.5 * dt).angle;
+  steering_ = Steer(steering_, target_angle_, settings_.steering, dt);
+  speed_ = rolling.reached.x;
+  motion_.Begin(body, TwistAt(rolling.mean.x, halfway), dt);
+}
+
+void TricycleDrive::EndStep(b2Body& body) {
+  motion_.End(body, TwistAt(speed_, steering_.angle));
+  if (front_wheel_ == nullptr) return;
+  const bool wheel_is_b = front_wheel_->GetBodyA() == &body;
+  b2Body& wheel = wheel_is_b ? *front_wheel_->GetBodyB() : *front_wheel_->GetBodyA();
+  double angle = heading_ + steering_.angle;
+  if (front_wheel_->IsLimitEnabled()) {  // of b's angle minus a's, whole rotations included
+    const double lower =
+        wheel_is_b ? front_wheel_->GetLowerLimit() : -front_wheel_->GetUpperLimit();
+    const double upper =
+        wheel_is_b ? front_wheel_->GetUpperLimit() : -front_wheel_->GetLowerLimit();
+    const double middle = 0.5 * (lower + upper);
+    angle = std::clamp(middle + WrappedAngle(angle - middle), lower, upper);
+  }
+  const b2Vec2 hub = wheel_is_b ? front_wheel_->GetLocalAnchorA() : front_wheel_->GetLocalAnchorB();
+  const b2Vec2 on_wheel =
+      wheel_is_b ? front_wheel_->GetLocalAnchorB() : front_wheel_->GetLocalAnchorA();
+  const float yaw = static_cast<float>(body.GetAngle() + angle);
+  wheel.SetTransform(body.GetWorldPoint(hub) - b2Mul(b2Rot(yaw), on_wheel), yaw);
+  wheel.SetLinearVelocity(body.GetLinearVelocityFromLocalPoint(hub));
+  wheel.SetAngularVelocity(body.GetAngularVelocity());
+}
+
+}  // namespace flatland

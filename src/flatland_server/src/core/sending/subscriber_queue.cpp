@@ -1,0 +1,130 @@
+#include "sending/subscriber_queue.hpp"
+
+#include <fcntl.h>
+#include <sys/socket.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+#include "sending/room_watcher.hpp"
+
+namespace flatland {
+namespace {
+
+constexpr std::size_t kMostPieces = 256;  // in one call; Linux takes 1,024
+
+}  // namespace
+
+SubscriberQueue::SubscriberQueue(int socket, std::size_t limit)
+    : socket_(fcntl(socket, F_DUPFD_CLOEXEC, 0)), limit_(limit) {
+  if (socket_ < 0) throw std::system_error(errno, std::generic_category(), "a subscriber's socket");
+}
+
+std::size_t SubscriberQueue::Add(std::string framed) {
+  const std::lock_guard lock(mutex_);
+  if (status_.error != 0) return 0;
+  messages_.push_back(std::move(framed));
+  return ++held_;
+}
+
+bool SubscriberQueue::Send() {
+  const std::lock_guard lock(mutex_);
+  held_ = 0;
+  if (!waits_for_room_) SendMessages();
+  DropOldest();
+  return status_.error == 0;
+}
+
+void SubscriberQueue::SendMessages() {
+  std::array<iovec, kMostPieces> pieces{};
+  while (!messages_.empty()) {
+    const std::size_t count = std::min(messages_.size(), pieces.size());
+    for (std::size_t i = 0; i < count; ++i) pieces[i] = {messages_[i].data(), messages_[i].size()};
+    pieces[0] = {messages_[0].data() + sent_, messages_[0].size() - sent_};
+    msghdr header{};
+    header.msg_iov = pieces.data();
+    header.msg_iovlen = count;
+    const ssize_t result = sendmsg(socket_, &header, MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (result < 0) {
+      if (errno == EINTR) continue;
+      if (errno != EAGAIN && errno != EWOULDBLOCK) return Fail(errno);
+      waits_for_room_ = RoomWatcher::Get().Watch(shared_from_this());
+      return;
+    }
+    status_.bytes += static_cast<uint64_t>(result);
+    sent_ += static_cast<std::size_t>(result);
+    while (!messages_.empty() && sent_ >= messages_.front().size()) {
+      sent_ -= messages_.front().size();
+      messages_.pop_front();
+      ++status_.messages;
+    }
+  }
+}
+
+void SubscriberQueue::DropOldest() {
+  const std::size_t begin = sent_ > 0 ? 1 : 0;  // a message is sent as a whole
+  if (limit_ == 0 || messages_.size() <= begin + limit_) return;
+  messages_.erase(messages_.begin() + static_cast<std::ptrdiff_t>(begin),
+                  messages_.end() - static_cast<std::ptrdiff_t>(limit_));
+}
+
+void SubscriberQueue::Fail(int error) {
+  status_.error = error;
+  messages_.clear();
+  sent_ = 0;
+}
+
+void SubscriberQueue::Close() {
+  const std::lock_guard lock(mutex_);
+  if (socket_ < 0) return;
+  if (waits_for_room_) RoomWatcher::Get().Forget(socket_);
+  close(socket_);
+  socket_ = -1;
+  Fail(status_.error != 0 ? status_.error : ENOTCONN);
+}
+
+SubscriberQueue::Status SubscriberQueue::status() const {
+  const std::lock_guard lock(mutex_);
+  return status_;
+}
+
+bool Outbox::Add(const std::shared_ptr<SubscriberQueue>& queue, std::string framed) {
+  const std::size_t held = queue->Add(std::move(framed));
+  if (held > 1 && held < most_) return true;
+  const std::lock_guard lock(mutex_);
+  if (held >= most_) is_full_ = true;
+  if (held <= 1) {  // or it has failed, which `Send` reports
+    if (queues_.empty()) since_ = std::chrono::steady_clock::now();
+    queues_.push_back(queue);
+  }
+  return held > 0;
+}
+
+bool Outbox::is_empty() const {
+  const std::lock_guard lock(mutex_);
+  return queues_.empty();
+}
+
+bool Outbox::IsDue() const {
+  const std::lock_guard lock(mutex_);
+  return is_full_ || (!queues_.empty() && std::chrono::steady_clock::now() - since_ >= period_);
+}
+
+bool Outbox::Send() {
+  std::vector<std::shared_ptr<SubscriberQueue>> queues;
+  {
+    const std::lock_guard lock(mutex_);
+    queues.swap(queues_);
+    is_full_ = false;
+  }
+  bool are_sound = true;
+  for (const auto& queue : queues) are_sound &= queue->Send();
+  return are_sound;
+}
+
+}  // namespace flatland

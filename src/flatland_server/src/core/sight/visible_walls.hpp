@@ -1,0 +1,59 @@
+#pragma once
+
+/// The walls of a layer that can be seen from a place, for lidars.
+///
+/// The floor is divided into square cells. After a few scans from a cell, the walls that can be
+/// seen from any point of it are found once, and later scans draw only these. A wall is left out
+/// if it is proven that it is hidden from the whole cell (walls_seen_from.cpp), so a scan is the
+/// same with these walls as with all.
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "base/geometry.hpp"
+#include "sight/segment_tree.hpp"
+
+namespace flatland {
+
+class Corners;
+
+class VisibleWalls {
+ public:
+  explicit VisibleWalls(std::vector<Segment> segments, const SegmentTree::Progress& progress = {});
+  ~VisibleWalls();
+  VisibleWalls(const VisibleWalls&) = delete;
+  VisibleWalls& operator=(const VisibleWalls&) = delete;
+
+  /// Those of equal segments, or new ones. So all worlds with the same map share them.
+  static std::shared_ptr<const VisibleWalls> Share(std::vector<Segment> segments,
+                                                   const SegmentTree::Progress& progress = {});
+
+  const SegmentTree& all() const { return all_; }
+  /// Indices of walls among which are all those that a lidar at a point can see, or null if they
+  /// are not known (yet); valid as long as this object. Several threads may call it at a time.
+  const std::vector<uint32_t>* From(Vec2 point) const;
+
+  /// As many scans are made from a cell before its walls are found: that takes as long as they do.
+  static constexpr int kScansBefore = 48;
+
+ private:
+  struct Cell {
+    std::atomic<int> scans{0};
+    std::atomic<const std::vector<uint32_t>*> walls{nullptr};  // null before they are known
+  };
+
+  const std::vector<uint32_t>* Find(Cell& cell, const Box& box) const;
+
+  SegmentTree all_;
+  std::unique_ptr<const Corners> corners_;
+  Vec2 origin_;             // the bottom left corner of the cells [m]
+  double cell_size_ = 1.0;  // [m]
+  int columns_ = 0;
+  int rows_ = 0;
+  std::unique_ptr<Cell[]> cells_;
+  mutable std::atomic<size_t> found_{0};  // indices in all cells
+};
+
+}  // namespace flatland

@@ -1,0 +1,64 @@
+#pragma once
+
+/// A record of collisions: what the bodies that ask for it collided with in the last step.
+///
+/// It is kept here, instead of by a listener, so that it costs nothing where nothing touches, and
+/// next to nothing where it is not read.
+
+#include <cstdint>
+#include <vector>
+
+#include "world/bodies.hpp"
+
+namespace flatland {
+
+/// Two fixtures that collide, or one of which is a sensor that the other passes through.
+struct Collision {
+  uint64_t number = 0;  ///< increases from one begin to the next
+  Fixture a;
+  Fixture b;
+  bool has_sensor = false;
+  /// Up to two, in the world [m], when they were last solved; none with a sensor.
+  std::vector<Vec2> points;
+  Vec2 normal;  ///< unit vector from a to b, in the world's frame; zero with a sensor
+  /// At each point, of the last step [N s]; none while both bodies rest.
+  std::vector<double> impulses;
+};
+
+class Collisions {
+ public:
+  explicit Collisions(const Bodies& bodies) : bodies_(bodies) {}
+
+  /// Those of the last step, also if they ended in it: those that go on first, by their numbers.
+  const std::vector<Collision>& last() const { return last_; }
+  /// Length of that step [s].
+  double last_step() const { return last_step_; }
+  /// Those that go on, by their numbers.
+  const std::vector<Collision>& present() const { return present_; }
+  /// Restores one of `present`.
+  void Restore(Collision collision);
+
+  // Events of recorded contacts.
+
+  void Begin(const Contact& contact, bool has_sensor);
+  /// A step may solve a contact more than once: impulses add up.
+  void Solve(const Contact& contact, const b2ContactImpulse& impulse);
+  void End(Fixture a, Fixture b);
+  /// To be called at the end of each step [s].
+  void EndStep(double dt);
+
+ private:
+  std::vector<Collision>::iterator Find(Fixture a, Fixture b);
+  /// True unless a solid contact was disabled: the solver sees all others but those of sleeping
+  /// bodies.
+  bool Lasts(const Collision& collision) const;
+
+  const Bodies& bodies_;
+  uint64_t count_ = 0;
+  std::vector<Collision> present_;
+  std::vector<Collision> ended_;  // in this step
+  std::vector<Collision> last_;
+  double last_step_ = 1.0;
+};
+
+}  // namespace flatland

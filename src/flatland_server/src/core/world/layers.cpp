@@ -1,0 +1,140 @@
+#include "world/layers.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "world/box2d_internals.hpp"
+#include "sight/segment_tree.hpp"
+#include "sight/visible_fixture.hpp"
+#include "base/to_box2d.hpp"
+
+namespace flatland {
+namespace {
+
+/// For the skin of shapes, and for rounding [m].
+constexpr float kSkin = 0.05f;
+
+/// Greatest distance of a body's fixtures from its centre of mass [m], and the layers that they
+/// collide with.
+struct Reach {
+  explicit Reach(const BodyRecord& record) {
+    const b2Vec2 center = record.body->GetLocalCenter();
+    for (const BodyRecord::FixtureRecord& each : record.fixtures) {
+      const b2Vec2 arm = CentroidOf(*each.fixture->GetShape()) - center;
+      radius = std::max(
+          radius, arm.Length() + static_cast<float>(BoundingRadius(*each.fixture->GetShape())));
+      layers |= each.fixture->GetFilterData().maskBits;
+    }
+  }
+
+  float radius = 0.0f;
+  LayerBits layers = 0;
+};
+
+/// How far a body is from where its walls were looked up, along the axis where that is more.
+float WayOf(const BodyRecord& record) {
+  const b2Vec2 way = b2Abs(record.body->GetWorldCenter() - record.nearby.center);
+  return std::max(way.x, way.y);
+}
+
+/// Bodies that sleep have the walls that they had, and others have no contacts with walls.
+bool MayReachWalls(const BodyRecord& record) {
+  return record.body->IsAwake() && record.body->GetType() == b2_dynamicBody;
+}
+
+}  // namespace
+
+void Layers::CopyFrom(const Layers& other) {
+  all_ = other.all_;
+  for (const auto& each : other.nearby_) nearby_.push_back(std::make_unique<NearbyWalls>(*each));
+}
+
+Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits bits,
+                         const std::function<void(std::size_t added)>& progress) {
+  const b2BodyDef definition;
+  BodyRecord record;
+  record.body = world.CreateBody(&definition);
+  record.is_layer = true;
+  record.layer = static_cast<uint32_t>(all_.size());
+  record.may_move = false;
+  all_.push_back({VisibleWalls::Share(std::move(walls), progress), bits});
+  const Bodies::Body handle = bodies_.Add(std::move(record));
+  const auto& visible = all_.back().visible;
+  nearby_.push_back(std::make_unique<NearbyWalls>(
+      std::shared_ptr<const SegmentTree>(visible, &visible->all()), bits, handle.index));
+  bodies_.ForEach([](auto, BodyRecord& each) { each.nearby.is_current = false; });
+  return handle;
+}
+
+int Layers::held_body_count() const {
+  int count = 0;
+  for (const auto& each : nearby_) count += each->held_block_count();
+  return count;
+}
+
+int Layers::held_wall_count() const {
+  std::vector<b2Fixture*> fixtures;
+  AppendHeldFixtures(fixtures);
+  return static_cast<int>(fixtures.size());
+}
+
+size_t Layers::FixtureCountOf(const BodyRecord& record) const {
+  return record.is_layer ? nearby_[record.layer]->size() : record.fixtures.size();
+}
+
+b2Fixture* Layers::FixtureOrNull(const BodyRecord& record, uint32_t index) const {
+  return record.is_layer ? nearby_[record.layer]->Find(index) : record.fixtures[index].fixture;
+}
+
+void Layers::HoldWallsNearBodies(b2World& world, float dt) {
+  if (nearby_.empty()) return;
+  for (BodyRecord* const record : bodies_.Moving()) {
+    if (!MayReachWalls(*record)) continue;
+    const float step = std::min(record->body->GetLinearVelocity().Length() * dt, b2_maxTranslation);
+    if (record->nearby.is_current && WayOf(*record) + step <= record->nearby.room) continue;
+    const b2Vec2 center = record->body->GetWorldCenter();
+    HoldWallsNear(world, *record, {center, center}, room_ + step);
+  }
+}
+
+bool Layers::HoldWallsOnTheWay(b2World& world) {
+  if (nearby_.empty()) return false;
+  bool has_come_far = false;
+  for (BodyRecord* const record : bodies_.Moving()) {
+    const BodyRecord::Nearby& nearby = record->nearby;
+    if (!MayReachWalls(*record) || (nearby.is_current && WayOf(*record) <= nearby.room)) continue;
+    const b2Sweep& sweep = box2d::Sweep(*record->body);
+    HoldWallsNear(world, *record, {b2Min(sweep.c0, sweep.c), b2Max(sweep.c0, sweep.c)}, room_);
+    has_come_far = true;
+  }
+  return has_come_far;
+}
+
+void Layers::HoldWallsNear(b2World& world, BodyRecord& record, const b2AABB& centers, float room) {
+  const Reach reach(record);
+  const double size = double{reach.radius} + room + kSkin;
+  const Box box{{centers.lowerBound.x - size, centers.lowerBound.y - size},
+                {centers.upperBound.x + size, centers.upperBound.y + size}};
+  BodyRecord::Nearby nearby{true, record.body->GetWorldCenter(), room, {}};
+  const int32 moves = box2d::MoveCount(world);
+  for (uint32_t i = 0; i < nearby_.size(); ++i) {
+    if ((nearby_[i]->layers() & reach.layers) == 0) continue;
+    nearby_[i]->ForEachBlockAt(box, [&](uint32_t number) { nearby.blocks.push_back({i, number}); });
+  }
+  HoldWallsOf(world, record, std::move(nearby));
+  // The body looks for the walls, so that not each of them has to.
+  box2d::SkipPairsOfNewFixtures(world, moves);
+  box2d::FindPairsAgain(*record.body);
+}
+
+void Layers::HoldWallsOf(b2World& world, BodyRecord& record, BodyRecord::Nearby nearby) {
+  for (const auto& [layer, number] : nearby.blocks) nearby_[layer]->Hold(world, number);
+  for (const auto& [layer, number] : record.nearby.blocks) nearby_[layer]->Release(world, number);
+  record.nearby = std::move(nearby);
+}
+
+void Layers::AppendHeldFixtures(std::vector<b2Fixture*>& fixtures) const {
+  for (const auto& each : nearby_) each->AppendFixtures(fixtures);
+}
+
+}  // namespace flatland

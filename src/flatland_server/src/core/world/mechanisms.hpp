@@ -1,0 +1,67 @@
+#pragma once
+
+/// Mechanisms: drives, tweens, drifts and lidars, which the core moves or reads at every step.
+
+#include "world/bodies.hpp"
+#include "motion/body_drift.hpp"
+#include "motion/body_drive.hpp"
+#include "motion/body_tween.hpp"
+#include "base/slot_map.hpp"
+#include "motion/tricycle_drive.hpp"
+
+namespace flatland {
+
+/// Something that belongs to a body and is removed with it: a drive, a tween, a drift or
+/// a lidar.
+template <class Mechanism>
+struct Mounted {
+  Bodies::Body body;
+  Mechanism mechanism;
+};
+
+/// The mechanisms of a type.
+template <class Mechanism>
+class MountedMap : public SlotMap<Mounted<Mechanism>> {
+ public:
+  using SlotMap<Mounted<Mechanism>>::SlotMap;
+
+  /// Calls `visit(handle, mechanism)` for each mechanism on the body.
+  template <class Visit>
+  void ForEachOn(Bodies::Body body, Visit visit) {
+    this->ForEach([&](auto handle, Mounted<Mechanism>& mounted) {
+      if (mounted.body.index == body.index) visit(handle, mounted.mechanism);
+    });
+  }
+  void RemoveFrom(Bodies::Body body) {
+    ForEachOn(body, [this](auto handle, Mechanism&) { this->Remove(handle); });
+  }
+};
+
+/// The drives, tweens and drifts of a world.
+struct Mechanisms {
+  MountedMap<BodyDrive> drives{"drive"};
+  MountedMap<TricycleDrive> tricycles{"drive"};
+  MountedMap<BodyTween> tweens{"tween"};
+  MountedMap<BodyDrift> drifts{"drift"};
+
+  BodyDrive& Get(Handle<Mounted<BodyDrive>> handle) { return drives.Get(handle).mechanism; }
+  TricycleDrive& Get(Handle<Mounted<TricycleDrive>> handle) {
+    return tricycles.Get(handle).mechanism;
+  }
+  BodyTween& Get(Handle<Mounted<BodyTween>> handle) { return tweens.Get(handle).mechanism; }
+  BodyDrift& Get(Handle<Mounted<BodyDrift>> handle) { return drifts.Get(handle).mechanism; }
+  /// Calls `visit` with each map; drifts come last, since tweens move bodies.
+  template <class Visit>
+  void ForEachMap(Visit visit) {
+    visit(drives);
+    visit(tricycles);
+    visit(tweens);
+    visit(drifts);
+  }
+  /// To be called when a joint has taken the place of another one, or null: it is destroyed.
+  void ReplaceJoint(const b2Joint* joint, b2Joint* other) {
+    tricycles.ForEach([&](auto, auto& mounted) { mounted.mechanism.Replace(joint, other); });
+  }
+};
+
+}  // namespace flatland
