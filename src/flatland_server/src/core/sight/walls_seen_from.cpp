@@ -284,8 +284,7 @@ class Finder {
 
   /// True if a chain hides a wall, or did so.
   bool IsHidden(uint32_t wall) {
-    int& own = chain_of_[wall];
-    if (own == kHidden) return true;
+    if (chain_of_[wall] == kHidden) return true;
     Vec2 right = PointOf(Corners::EndOf(wall));
     Vec2 left = PointOf(Corners::OtherEnd(Corners::EndOf(wall)));
     if (!IsOutside(right, left)) return false;
@@ -293,14 +292,15 @@ class Finder {
     const double place = Buckets::Of(right), turn = Turn(right, left);
     const double farthest = std::max(Length(right), Length(left));
     for (const Chain& chain : chains_) {
-      if (chain.nearest > farthest) continue;
-      const Vertex *const begin = &vertices_[chain.begin], *const end =
-                                                               begin + chain.end - chain.begin;
+      const bool is_edge_on = chain.end - chain.begin < 2;
+      if (is_edge_on || chain.nearest > farthest) continue;
+      const Vertex* const begin = &vertices_[chain.begin];
+      const Vertex* const end = begin + (chain.end - chain.begin);
       const double least = begin->place - kLeastTurn;
       const double from = place + std::ceil((least - place) / kBuckets) * kBuckets;
       if (from + turn > end[-1].place + kLeastTurn) continue;
       if (!Hides(begin, end, {right, left}, from, from + turn)) continue;
-      own = kHidden;
+      chain_of_[wall] = kHidden;
       return true;
     }
     return false;
