@@ -9,6 +9,7 @@ import numpy as np
 
 from flatland2d import UsageError
 from flatland_gym.rewards import RewardWeights, Transition
+from flatland_server.exceptions import UnknownArgumentError, suggestion
 
 WorldName = Any
 """The name of a scenario or of a shipped world, the path of a world file, or its content."""
@@ -155,12 +156,15 @@ class NavigationSettings:
             arguments: attributes of this class, by their names.
 
         Raises:
-            UsageError: one is unknown or wrong.
+            UsageError: one is unknown (also a TypeError) or wrong.
         """
         known = [each.name for each in fields(cls)]
         for name in arguments:
             if name not in known:
-                raise UsageError(f'unknown argument "{name}"; there are: {", ".join(known)}')
+                raise UnknownArgumentError(  # the words of Python's TypeError, which TorchRL expects
+                    f"got an unexpected keyword argument '{name}'{suggestion(name, known)}; "
+                    f"there are: {', '.join(known)}"
+                )
         return cls(**arguments)
 
 
