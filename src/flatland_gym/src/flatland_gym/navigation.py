@@ -5,7 +5,7 @@ and a row of its own in each array.
 """
 
 from itertools import product
-from typing import Any, Dict, List, Mapping, NoReturn, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -352,12 +352,6 @@ class Navigation:
         """Ends all simulations."""
         for fleet in self._fleets.values():
             fleet.close()
-
-    def __reduce__(self) -> NoReturn:
-        raise UsageError(
-            "environments are neither copied nor pickled: make another one; vector environments "
-            "have save_states and load_states"
-        )
 
     def _fleet(self, world: int) -> Fleet:
         """The fleet of a world."""
