@@ -4,7 +4,6 @@ Environment k is the same whatever n is: it has random numbers of its own, a sim
 and a row of its own in each array.
 """
 
-from itertools import product
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
@@ -13,7 +12,7 @@ from flatland2d import BatchObservation, Simulation, UsageError
 from flatland_gym.episodes import EpisodeSampler, options_of
 from flatland_gym.fleet import Fleet, Motions
 from flatland_gym.judging import judge
-from flatland_gym.navigation_world import NavigationWorld
+from flatland_gym.navigation_world import load_all
 from flatland_gym.observations import as_dict, goal_distances, neighbor_rows
 from flatland_gym.pictures import RENDER_MODES, picture, status_line
 from flatland_gym.policy import Policy
@@ -72,13 +71,8 @@ class Navigation:
             "render_modes": list(RENDER_MODES),
             "render_fps": round(1.0 / settings.period, 3),
         }
-        self._worlds = [
-            NavigationWorld.load(world, settings, scale, robots or 1)
-            for world, scale in product(settings.worlds, settings.robot_scales)
-        ]
+        self._worlds = load_all(settings, robots or 1)
         self.robot, self.robot_names = self._worlds[0].robot, self._worlds[0].robots
-        for world in self._worlds[1:]:
-            _require_alike(self._worlds[0], world)
         self._others = tuple(dict.fromkeys(n for world in self._worlds for n in world.others))
         self._radii = np.array([world.radii(self._others) for world in self._worlds])
         self._sampler = EpisodeSampler(self._worlds, settings)
@@ -410,14 +404,3 @@ def _require_tries(count: int) -> None:
             "the start or the goal lies in walls that a plugin of the world has added (tried "
             f"{_TRIES} times)"
         )
-
-
-def _require_alike(first: NavigationWorld, other: NavigationWorld) -> None:
-    """Raises a UsageError unless the robots of two worlds have the same spaces."""
-    for name in ("beams", "max_range", "action_limits", "velocity_limits"):
-        a, b = getattr(first.robot, name), getattr(other.robot, name)
-        if a != b:
-            raise UsageError(
-                f"expected worlds in which the robots are alike: {name} is {a} in {first.name}, "
-                f"{b} in {other.name}"
-            )
