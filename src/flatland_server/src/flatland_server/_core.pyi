@@ -1132,7 +1132,7 @@ class Crowd(_WithoutConstructor):
         leg_offset: float = 0.0,
         walk_ratio: float = 0.0,
         leg_radii: _PairLike = ...,
-        attention: _TripleLike = ...,
+        attention: tuple[bool, float, float, float] = ...,
         group: int = -1,
         area: tuple[_Pair, _Pair] | None = None,
         stands: bool = False,
@@ -1150,8 +1150,8 @@ class Crowd(_WithoutConstructor):
             walk_ratio: a step's length by the steps per second [m s].
             leg_radii: of a leg's first footprint as lidars see it, on the floor and in the middle
                 of its swing [m]; if they are equal, it stays as it is.
-            attention: the probability that it gives way to robots in an encounter, its reaction
-                time [s] and its field of view [rad].
+            attention: whether it sees robots, the probability that it gives way to them in an
+                encounter, its reaction time [s] and its field of view [rad].
             group: the people of a group keep together; -1: none.
             area: lower and upper corner of a rectangle in which goals are drawn [m].
             stands: at the place in the area at which `scatter` puts it.
