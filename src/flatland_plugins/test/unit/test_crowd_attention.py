@@ -192,6 +192,19 @@ def test_with_orca_forty_cross_a_circle_without_touching(town):
     assert path[-1] == pytest.approx(-path[0], abs=0.4)
 
 
+@pytest.mark.parametrize("noise", ["", "force: {noise: 0}, "])
+def test_with_orca_noise_ends_the_wait_of_people_evenly_on_a_circle(town, noise):
+    places = [(4.0 * math.cos(k * math.tau / 8), 4.0 * math.sin(k * math.tau / 8)) for k in range(8)]
+    people = town(
+        *(f"pose: [{x}, {y}, 0], goals: [[{-x}, {-y}]]" for x, y in places),
+        keys=f"{noise}motion: orca",
+    )
+    people.run(40.0)
+
+    left = [math.dist(position(people, f"people_{k}"), (-x, -y)) for k, (x, y) in enumerate(places)]
+    assert min(left) > 3.0 if noise else max(left) < 0.3
+
+
 def test_with_orca_they_stay_behind_walls_and_pass_robots(town, files):
     people = town(
         TOWARDS_THE_ROBOT,
