@@ -13,7 +13,8 @@ from flatland_gym.episodes import EpisodeSampler, options_of
 from flatland_gym.fleet import Fleet, Motions
 from flatland_gym.judging import judge
 from flatland_gym.navigation_world import load_all
-from flatland_gym.observations import as_dict, goal_distances, neighbor_rows
+from flatland_gym.neighbors import Neighbors
+from flatland_gym.observations import as_dict, goal_distances
 from flatland_gym.pictures import RENDER_MODES, picture, status_line
 from flatland_gym.policy import Policy
 from flatland_gym.rewards import OtherModels, Transition
@@ -90,6 +91,7 @@ class Navigation:
         self._team = robots or 1
         count *= self._team
         self.rows = BatchObservation.empty(count, self.robot.beams)
+        self._neighbors = Neighbors(self._worlds, settings, count, self._team)
         self._world_of = np.full(count, -1)  # the index of each row's world
         self.goals = np.zeros((count, 2))
         self.distances = np.zeros(count)
@@ -149,6 +151,8 @@ class Navigation:
             rows = self._rows_of(indices).ravel()
         self.goals[rows] = [goal for episode in episodes for goal in episode.goals]
         self._world_of[rows] = [episode.world for episode in episodes for _ in episode.goals]
+        if self.settings.neighbors:
+            self._see(indices, [episode.seed for episode in episodes])
         self.steps[rows] = 0
         self.successes[rows] = False
         self.distances[rows] = goal_distances(self.rows.poses[rows], self.goals[rows])
@@ -241,6 +245,7 @@ class Navigation:
                 "success": self.successes[own].tolist(),
                 "collided": self.rows.collided[own].tolist(),
                 "steps": self.steps[own].tolist(),
+                "episode": int(self._neighbors.seeds[own[0]]),
             }
             for k, own in zip(indices.tolist(), rows)
         ]
@@ -272,21 +277,31 @@ class Navigation:
         self.successes[rows] = [state["success"] for state in states]
         self.rows.collided[rows] = [state["collided"] for state in states]
         self.steps[rows] = [state["steps"] for state in states]
+        self._see(indices, [state["episode"] for state in states])
 
     def _rows_of(self, indices: IntArray) -> IntArray:
         """The rows of the robots of environments: (k, m)."""
         return self._team * indices[:, None] + np.arange(self._team)
 
+    def _see(self, indices: IntArray, seeds: Sequence[int]) -> None:
+        """Prepares the observation of neighbours in environments with episodes of these seeds."""
+        for rows, seed in zip(self._rows_of(indices), seeds):
+            self._neighbors.seeds[rows] = seed
+            fleet = self._fleet(int(self._world_of[rows[0]]))
+            self._neighbors.add_walls(rows.tolist(), fleet.added_walls(rows[0] // self._team))
+
     def observe(self) -> Float32Array:
         """Flat observations of all robots: a new array."""
-        rows, count = self.rows, self.settings.neighbors
+        rows = self.rows
         flat = self._observer.observe(rows.ranges, rows.poses, rows.local_velocities, self.goals)
-        if not count:
+        if not self.settings.neighbors:
             return flat
         poses, velocities = self._motions(np.arange(len(flat)))
         radii = self._radii[self._world_of][..., None]
         others = np.concatenate([poses[..., :2], velocities[..., :2], radii], axis=-1)
-        near = neighbor_rows(rows.poses, rows.local_velocities, others, count, self.robot.max_range)
+        near = self._neighbors.observe(
+            rows.poses, rows.local_velocities, others, self._world_of, self.steps
+        )
         return np.concatenate([flat, near], axis=1)
 
     def formed(self, observations: Float32Array) -> Any:
@@ -317,6 +332,8 @@ class Navigation:
             robot.action_limits,
             self._period,
             self.settings.neighbors,
+            self._neighbors.reach,
+            bool(self.settings.neighbors_behind_walls),
         )
 
     def simulation(self, index: int) -> Simulation:

@@ -13,7 +13,7 @@ from flatland2d.world_content import content_with
 from flatland_gym.robot import Content, Robot, scale_footprints, set_beams
 from flatland_gym.scenarios import SCENARIOS
 from flatland_gym.settings import NavigationSettings, WorldName
-from flatland_server import WorldConfig
+from flatland_server import Segments, WorldConfig
 from flatland_server.arguments import params_of
 from flatland_server.exceptions import listed, suggestion
 from flatland_server.transport.local_transport import LocalTransport, absolute_name
@@ -55,6 +55,7 @@ class NavigationWorld:
         robots: the names of the models: that of the robot, or of so many robots like it.
         scale: of the robot, relative to the world's.
         radius: of the robot [m].
+        walls: of all its layers.
         space: where it can stand.
         standing: the models that stay where the world file puts them.
         scattered: the models that each episode places at random.
@@ -69,6 +70,7 @@ class NavigationWorld:
     robots: Tuple[str, ...]
     scale: float
     radius: float
+    walls: Segments
     space: DistanceGrid
     standing: Tuple[Disc, ...]
     scattered: Tuple[Disc, ...]
@@ -120,11 +122,13 @@ class NavigationWorld:
             _require_matches(patterns, discs)
             robot = Robot.of(simulation.world, names[0], lidar, settings)
             driven = [discs.pop(name) for name in names].pop()
-            walls = [config.walls_of(layer) for layer in config.layers]
+            walls = np.concatenate(
+                [np.empty((0, 4)), *(config.walls_of(layer) for layer in config.layers)]
+            )
             params_read = transport.params_read | simulation.transport.params_read
             largest = max([driven.radius, *(disc.radius for disc in discs.values())])
             space = DistanceGrid.shared(
-                np.concatenate([np.empty((0, 4)), *walls]),
+                walls,
                 tuple(inside.get("pose") or (0.0, 0.0))[:2],
                 largest + 2 * (driven.radius + settings.margin),
                 open_reach=_OPEN,
@@ -137,6 +141,7 @@ class NavigationWorld:
             names,
             scale,
             driven.radius,
+            walls,
             space,
             tuple(disc for disc in discs.values() if disc.name not in moved | added),
             tuple(disc for disc in discs.values() if disc.name in moved),

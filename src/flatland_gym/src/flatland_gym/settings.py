@@ -29,6 +29,10 @@ class NavigationSettings:
         lidar: the name of its lidar, if it has several.
         beams: number of beams, evenly over the angle of its lidar; None leaves them as they are.
         neighbors: number of the nearest other models that are observed, with velocities.
+        neighbor_range: the largest gap at which they are observed [m]; None: the lidar's range.
+        neighbor_noise: standard deviation of their positions [m] and velocities [m/s], along each
+            axis.
+        neighbors_behind_walls: whether models are observed that a wall hides from the robot.
         step_size: of the physics [s].
         frame_skip: physics steps in a step of the environment.
         flatten: whether observations are one array, or a dict of ranges, goal and velocity.
@@ -59,6 +63,9 @@ class NavigationSettings:
     lidar: Optional[str] = None
     beams: Optional[int] = None
     neighbors: int = 0
+    neighbor_range: Optional[float] = None
+    neighbor_noise: float = 0.0
+    neighbors_behind_walls: bool = False
     step_size: float = 0.05
     frame_skip: int = 1
     flatten: bool = True
@@ -94,6 +101,9 @@ class NavigationSettings:
         if self.time_limit != math.inf:
             _require_number("time_limit", self.time_limit, above=0.0)
         _require_number("margin", self.margin, minimum=0.0)
+        _require_number("neighbor_noise", self.neighbor_noise, minimum=0.0)
+        if self.neighbor_range is not None:
+            _require_number("neighbor_range", self.neighbor_range, above=0.0)
         if self.lidar_noise is not None:
             _require_number("lidar_noise", self.lidar_noise, minimum=0.0)
         for name in ("goal_distance", "obstacle_radius"):
@@ -115,7 +125,7 @@ class NavigationSettings:
             _require_sequence("scatter", self.scatter, "patterns")
             are_strings = all(isinstance(each, str) for each in self.scatter)
             _require("scatter", self.scatter, are_strings, "a sequence of patterns")
-        for name in ("flatten", "collision_ends"):
+        for name in ("flatten", "collision_ends", "neighbors_behind_walls"):
             value = getattr(self, name)
             _require(name, value, isinstance(value, (bool, np.bool_)), "true or false")
         for name in ("reward", "terminated"):

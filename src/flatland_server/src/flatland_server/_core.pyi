@@ -1242,6 +1242,29 @@ class GoalObserver(metaclass=_Metaclass):
             goals: x, y [m], shape (n, 2).
         """
 
+class LinesOfSight(metaclass=_Metaclass):
+    """Tells which straight lines are blocked by walls.
+
+    Args:
+        walls: x1, y1, x2, y2 [m], shape (m, 4).
+    """
+
+    def __init__(self, walls: Segments) -> None: ...
+    def blocked(self, lines: FloatArray) -> BoolArray:
+        """Whether a wall crosses each line: a new array of shape (n,). Releases the GIL.
+
+        Args:
+            lines: x1, y1, x2, y2 [m], shape (n, 4); a line that is not finite is not blocked.
+        """
+
+def normal_rows(keys: npt.NDArray[np.uint64], count: int) -> FloatArray:
+    """Normally distributed random numbers: a new array of shape (n, count).
+
+    Args:
+        keys: equal ones give equal rows, shape (n,).
+        count: of the numbers in a row.
+    """
+
 def lower_to_walls(
     squares: FloatArray, walls: Segments, reach: float, corner: _PairLike, side: float
 ) -> None:
