@@ -55,8 +55,8 @@ def test_a_copy_is_made_by_the_same_arguments(kind, copied):
     fresh = copied(env)
     expected = drive(env)
     used = copied(env)  # in an episode, which is not copied
+    actions = {"robot_0": [0.0, 0.0]} if kind == "team" else env.action_space.sample()
     with pytest.raises(UsageError, match=r"expected reset before step|found those of"):
-        actions = {"robot_0": [0.0, 0.0]} if kind == "team" else env.action_space.sample()
         used.unwrapped.step(actions)
 
     assert_same(drive(fresh), expected)

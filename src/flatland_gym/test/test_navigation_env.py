@@ -273,7 +273,7 @@ def test_a_world_that_cannot_be_used_is_named(change, message):
         ({"render_mode": "rgb"}, "expected render_mode"),
         (
             {"world": "crossing", "params": {"/poeple": 9}},
-            r"""reads the parameter "/poeple" \(did you mean "/people"\?\); there are: /people, /yie""",
+            r"""reads the parameter "/poeple" \(did you mean "/people"\?\); there are: /peo""",
         ),
         ({"world": ("discs", {"layers": 5})}, r"world\[1\]: world: layers: expected a list"),
         ({"world": ("discs", "office")}, r"world\[1\]: expected worlds in which the robots are a"),

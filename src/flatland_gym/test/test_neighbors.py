@@ -73,7 +73,15 @@ HIDDEN = {
         *({"name": f"box_{x}_{y}", "pose": [x, y, 0], "model": "BOX"} for x, y in ((2, 0), (2, 3))),
     ],
 }
-BOX = {"bodies": [{"name": "box", "type": "static", "footprints": [{"type": "circle", "radius": 0.2, "density": 1}]}]}
+BOX = {
+    "bodies": [
+        {
+            "name": "box",
+            "type": "static",
+            "footprints": [{"type": "circle", "radius": 0.2, "density": 1}],
+        }
+    ]
+}
 
 
 def gaps_of(**arguments):
@@ -98,7 +106,14 @@ def test_walls_hide_models():
 
 def test_lines_of_sight_end_at_walls():
     walls = LinesOfSight(np.array([[1.0, -1.0, 1.0, 1.0], [50.0, -1.0, 50.0, 1.0]]))
-    lines = [[0, 0, 2, 0], [0, 0, 0.9, 0], [0, 0, 2, 3], [2, 0, 40, 0], [2, 0, 60, 0], [2, 2, 60, 2]]
+    lines = [
+        [0, 0, 2, 0],
+        [0, 0, 0.9, 0],
+        [0, 0, 2, 3],
+        [2, 0, 40, 0],
+        [2, 0, 60, 0],
+        [2, 2, 60, 2],
+    ]
     lines = np.array([*lines, [np.nan, 0, 2, 0]], float)
 
     assert walls.blocked(lines).tolist() == [True, False, False, False, True, False, False]

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d import YamlError
+from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.scenario_file import read_scenario_file
 from flatland2d.sweep.settings import scenarios_of
 from flatland_gym import SCENARIOS

@@ -5,8 +5,8 @@ from typing import Any, Dict, Iterable, List, Optional, Sequence, Type, Union
 import numpy as np
 
 from flatland2d import MissingPackageError, UsageError
-from flatland_gym.navigation import row_of
 from flatland_gym.multi_robot_vector_env import MultiRobotVectorEnv
+from flatland_gym.navigation import row_of
 from flatland_gym.navigation_vector_env import NavigationVectorEnv
 from flatland_gym.pickling import ByArguments
 
@@ -69,7 +69,7 @@ class NavigationVecEnv(ByArguments, VecEnv):
 
     def step_wait(self) -> Any:
         """Makes a step: observations, rewards (float32), ends and infos."""
-        observations, rewards, terminated, truncated, found = self.envs.step(self._actions)
+        observations, rewards, _, truncated, found = self.envs.step(self._actions)
         ended, infos, robots = np.zeros(self.num_envs, bool), self._split(found), self._robots
         if "_final_obs" in found:
             ended = np.repeat(found["_final_obs"], robots)

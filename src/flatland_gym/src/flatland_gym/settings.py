@@ -171,7 +171,7 @@ class NavigationSettings:
         known = [each.name for each in fields(cls)]
         for name in arguments:
             if name not in known:
-                raise UnknownArgumentError(  # the words of Python's TypeError, which TorchRL expects
+                raise UnknownArgumentError(  # Python's words, which TorchRL expects
                     f"got an unexpected keyword argument '{name}'{suggestion(name, known)}; "
                     f"there are: {', '.join(known)}"
                 )

@@ -194,7 +194,9 @@ def test_with_orca_forty_cross_a_circle_without_touching(town):
 
 @pytest.mark.parametrize("noise", ["", "force: {noise: 0}, "])
 def test_with_orca_noise_ends_the_wait_of_people_evenly_on_a_circle(town, noise):
-    places = [(4.0 * math.cos(k * math.tau / 8), 4.0 * math.sin(k * math.tau / 8)) for k in range(8)]
+    places = [
+        (4.0 * math.cos(k * math.tau / 8), 4.0 * math.sin(k * math.tau / 8)) for k in range(8)
+    ]
     people = town(
         *(f"pose: [{x}, {y}, 0], goals: [[{-x}, {-y}]]" for x, y in places),
         keys=f"{noise}motion: orca",

@@ -33,8 +33,9 @@ PyCrowd AddCrowd(PyWorld& self, uint64_t key, LayerBits layers, double period, d
 
 void AddPerson(PyCrowd& self, const PyBody& body, const std::vector<Pair>& goals, double radius,
                double speed, const std::vector<PyBody>& legs, const std::optional<PyBody>& circle,
-               double leg_offset, double walk_ratio, const Pair& leg_radii, const Attention& attention,
-               int group, const std::optional<std::pair<Pair, Pair>>& area, bool stands) {
+               double leg_offset, double walk_ratio, const Pair& leg_radii,
+               const Attention& attention, int group,
+               const std::optional<std::pair<Pair, Pair>>& area, bool stands) {
   PersonSettings person;
   person.body = body.handle;
   for (const PyBody& leg : legs) person.legs.push_back(leg.handle);
