@@ -30,6 +30,8 @@ SUMMARISED: Dict[str, Metric] = {
     "success": Metric("success", 1, is_rate=True, is_gated=True),
     "collision": Metric("collision", -1, is_rate=True, is_gated=True),
     "person_collision": Metric("collision with a person", -1, is_rate=True),
+    "robot_at_fault": Metric("collision with a person by the robot's fault", -1, is_rate=True),
+    "success_unless_hit": Metric("success unless a person walks into it", 1, is_rate=True),
     "timed_out": Metric("time-out", -1, is_rate=True),
     "time_to_goal": Metric("time to goal [s]", -1, is_gated=True),
     "path_to_goal": Metric("path to goal [m]", -1),

@@ -133,6 +133,42 @@ plugins:
 """
 
 
+MEETING = """
+plugins:
+  - type: Crowd
+    name: people
+    sees_robots: false
+    force: {noise: 0}
+    pedestrians: [{pose: [0, -2, 3.14], goals: [GOAL], radius: 0.25, speed: 1}]
+"""
+
+
+@pytest.mark.parametrize(
+    ("goal", "speed", "fault", "speeds"),
+    [
+        ("[-4, -2]", 0.0, False, (0.0, 1.0)),  # the robot stands
+        ("[-4, -2]", 0.5, True, (0.5, 0.8)),  # towards each other
+        ("[0, -2]", 0.5, True, (0.5, 0.0)),  # the person stands
+        ("[-4, -2]", -0.5, False, (0.5, 1.0)),  # the robot drives away, too slowly
+        (None, 0.0, None, (None, None)),
+    ],
+)
+def test_who_has_walked_into_whom(folder, settings_of, goal, speed, fault, speeds):
+    if goal:
+        with (folder / "world.yaml").open("a") as world:
+            world.write(MEETING.replace("GOAL", goal))
+    controllers = f'[{{name: a, call: "drivers.py:ahead", arguments: {{speed: {speed}}}}}]'
+    keys = {"start": "[-1.2, -2, 0]", "goal": "[3, 3]", "time_limit": 9.0}
+
+    row = result_of(settings_of(controllers=controllers, **keys))
+
+    assert row["person_collision"] == (None if goal is None else True)
+    assert row["robot_at_fault"] == fault
+    assert row["success_unless_hit"] == (None if fault is False else False)
+    found = row["robot_speed_at_contact"], row["person_speed_at_contact"]
+    assert found == tuple(each if each is None else pytest.approx(each, abs=0.2) for each in speeds)
+
+
 def test_distances_from_people_and_the_time_in_their_zones(folder, settings_of):
     with (folder / "world.yaml").open("a") as world:
         world.write(CROWD)
