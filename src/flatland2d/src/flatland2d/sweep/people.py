@@ -1,4 +1,4 @@
-"""Distances of a robot from people, and the time in their zones.
+"""Distances of a robot from people, collisions with them, and the time in their zones.
 
 The zones are those of E. T. Hall, "The Hidden Dimension" (1966): intimate up to 0.45 m, personal up
 to 1.2 m, social up to 3.6 m. As for clearances, a distance is that between the outlines: from the
@@ -15,7 +15,7 @@ from flatland_server.models.footprint import Circle
 from flatland_server.models.model import Model
 from flatland_server.simulation.world import World
 
-ZONES = {"intimate_time": 0.45, "personal_time": 1.2, "social_time": 3.6}
+ZONES = {"intimate_fraction": 0.45, "personal_fraction": 1.2, "social_fraction": 3.6}
 """The outer end of each zone [m]."""
 
 
@@ -102,8 +102,8 @@ class PeopleMetrics:
         - `robot_speed_at_contact`, `person_speed_at_contact`: before that collision [m/s].
         - `people_distance`: the least distance from the nearest person [m].
         - `mean_people_distance`: the mean over control steps, by their durations [m].
-        - `intimate_time`, `personal_time`, `social_time`: in which the nearest person was at that
-          distance [s].
+        - `intimate_fraction`, `personal_fraction`, `social_fraction`: of the time, in which the
+          nearest person was at that distance.
         """
         if not self._distances:
             return {}
@@ -115,7 +115,8 @@ class PeopleMetrics:
         }
         nearer = 0.0
         for name, end in ZONES.items():
-            found[name] = float(durations[(distances >= nearer) & (distances < end)].sum())
+            inside = durations[(distances >= nearer) & (distances < end)]
+            found[name] = float(inside.sum() / durations.sum())
             nearer = end
         return found
 

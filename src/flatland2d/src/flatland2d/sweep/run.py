@@ -8,7 +8,7 @@ import numpy as np
 from flatland2d.handles import ModelHandle
 from flatland2d.simulation import Simulation
 from flatland2d.sweep.metrics import barn_score, motion_metrics
-from flatland2d.sweep.people import PeopleMetrics, Twist
+from flatland2d.sweep.people import ZONES, PeopleMetrics, Twist
 from flatland2d.sweep.settings import SweepSettings, Task
 from flatland2d.touch import Touch
 from flatland_navigation.score import GoalScore, spl
@@ -45,9 +45,9 @@ METRICS = (
     "min_clearance",
     "people_distance",
     "mean_people_distance",
-    "intimate_time",
-    "personal_time",
-    "social_time",
+    "intimate_fraction",
+    "personal_fraction",
+    "social_fraction",
     "stalled_time",
     "heading_change",
     "mean_jerk",
@@ -273,6 +273,8 @@ class SweepRun:
             found["min_clearance"] = self._clearance
         if self.goal is not None:
             found["success"] = self._has_arrived
+            if not self._has_arrived:  # a run that a collision ends early is not good at these
+                found.update(dict.fromkeys(ZONES))
             if not found["person_collision"] or found["robot_at_fault"]:
                 found["success_unless_hit"] = self._has_arrived
             found["timed_out"] = self.outcome == "time limit"
