@@ -2,9 +2,10 @@
 
 import io
 import textwrap
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Collection, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 from flatland2d.sweep.metrics import SUMMARISED, Metric
+from flatland2d.sweep.run import ESTIMATE_ENDS
 from flatland_server.exceptions import MissingPackageError
 
 _LATEX = {
@@ -29,6 +30,13 @@ _LOWEST = -0.04
 
 Summary = Sequence[Mapping[str, Any]]
 """See `summary_rows`."""
+
+
+def with_metrics(summary: Summary, metrics: Collection[str]) -> Summary:
+    """The summary without the other metrics of SUMMARISED."""
+    others = set(SUMMARISED).difference(metrics)
+    left_out = {f"{name}{end}" for name in others for end in ("", *ESTIMATE_ENDS)}
+    return [{k: value for k, value in row.items() if k not in left_out} for row in summary]
 
 
 def markdown_table(summary: Summary) -> str:
@@ -82,7 +90,7 @@ def figure(summary: Summary) -> bytes:
             "the figure needs matplotlib: apt-get install python3-matplotlib, or pip install "
             f"'flatland2d[sweep]' ({str(error).splitlines()[0]})"
         ) from None
-    metrics = [name for name in SUMMARISED if any(row[name] for row in summary)]
+    metrics = [name for name in SUMMARISED if any(row.get(name) for row in summary)]
     groups, controllers = _groups(summary), _controllers(summary)
     columns = min(_PANELS_IN_ROW, max(1, len(metrics)))
     rows = max(1, -(-len(metrics) // columns))

@@ -9,7 +9,7 @@ import pytest
 
 from flatland2d.sweep.intervals import mean, rate, t_quantile
 from flatland2d.sweep.metrics import SUMMARISED
-from flatland2d.sweep.paper import figure
+from flatland2d.sweep.paper import figure, markdown_table, with_metrics
 from flatland2d.sweep.runner import Result
 from flatland2d.sweep.settings import scenarios_of
 from flatland2d.sweep.sweep import Journal, read_entries
@@ -90,6 +90,15 @@ def test_intervals_end_where_the_range_of_a_metric_does(settings_of):
     assert row["min_clearance_low"] == 0.0
     assert row["min_clearance_high"] > 3.0
     assert row["n_low"] < -50.0  # a controller's number may be negative
+
+
+def test_a_table_for_a_paper_has_the_metrics_that_were_chosen(settings_of):
+    [scenario, *_] = scenarios_of(settings_of())
+    entry = Entry(Result({"spl": 0.5, "success": True}, {"n": 1}), 1.0, 1)
+
+    table = markdown_table(with_metrics(summary_rows([(scenario, entry)]), ["spl"]))
+
+    assert [line.split(" | ")[1] for line in table.splitlines()[2:]] == ["runs", "SPL ↑", "n"]
 
 
 def test_a_metric_that_is_always_zero_has_no_panel():
