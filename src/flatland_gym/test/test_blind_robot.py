@@ -1,9 +1,11 @@
 """A robot that ignores people collides: results in these worlds mean something."""
 
+import numpy as np
 import pytest
 
 pytest.importorskip("gymnasium")
 
+from flatland_gym import NavigationVectorEnv
 from flatland_gym.evaluation import StraightDriver, evaluate
 
 
@@ -13,6 +15,17 @@ def test_a_blind_robot_collides_in_at_least_half_of_the_episodes(world):
     collisions = evaluate(StraightDriver(64), seeds=range(200), world=world, beams=64).collision
 
     assert collisions.mean() >= 0.5
+
+
+def test_people_do_not_walk_into_a_robot_that_stands():
+    env = NavigationVectorEnv(60, world="corridor", beams=8, collision_ends=False)
+    env.reset(seed=1)
+    hit = np.zeros(60, bool)
+    for _ in range(500):
+        hit |= env.step(np.zeros((60, 2)))[-1]["collision"]
+    env.close()
+
+    assert hit.mean() < 0.05
 
 
 def test_without_people_a_blind_robot_arrives():

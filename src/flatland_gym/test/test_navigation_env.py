@@ -271,7 +271,13 @@ def test_a_world_that_cannot_be_used_is_named(change, message):
         ({"rewards": {"success": "1"}}, "expected rewards.success to be a number, found '1'"),
         ({"params": [1]}, "expected params to be a dict by name"),
         ({"render_mode": "rgb"}, "expected render_mode"),
-        ({"colour": "red"}, 'unknown argument "colour"'),
+        (
+            {"world": "crossing", "params": {"/poeple": 9}},
+            r"""reads the parameter "/poeple" \(did you mean "/people"\?\); there are: /peo""",
+        ),
+        ({"world": ("discs", {"layers": 5})}, r"world\[1\]: world: layers: expected a list"),
+        ({"world": ("discs", "office")}, r"world\[1\]: expected worlds in which the robots are a"),
+        ({"colour": "red"}, "unexpected keyword argument 'colour'"),
     ],
 )
 def test_a_wrong_argument_is_named(arguments, message):
@@ -279,6 +285,18 @@ def test_a_wrong_argument_is_named(arguments, message):
         make(**arguments) if "render_mode" not in arguments else flatland_gym.NavigationEnv(
             **arguments
         )
+
+
+@pytest.mark.parametrize("make_one", [make, lambda **arguments: make_vector(2, **arguments)])
+def test_an_unknown_argument_is_a_type_error_as_of_any_function(make_one):
+    # TorchRL's GymEnv tries `frameskip`, and looks for these words.
+    with pytest.raises(TypeError, match="unexpected keyword argument 'frameskip'") as caught:
+        make_one(frameskip=1)
+    assert isinstance(caught.value, UsageError)
+
+
+def test_a_parameter_may_be_that_of_one_of_several_worlds():
+    make(world=("crossing", "circle_crossing"), params={"/people": 2, "/yields": 1}).close()
 
 
 def test_there_is_an_error_if_there_is_no_room():

@@ -1,5 +1,8 @@
 """The nearest other models in observations: by hand, in environments, policies and sweeps."""
 
+import json
+import math
+
 import numpy as np
 import pytest
 
@@ -12,6 +15,7 @@ from flatland_gym import NavigationVectorEnv
 from flatland_gym.observations import neighbor_rows
 from flatland_gym.policy_node import PolicyNode
 from flatland_gym.train import Network, Scale
+from flatland_server._core import LinesOfSight
 
 CORRIDOR = {"world": "corridor", "neighbors": 3, "beams": 8}
 
@@ -60,8 +64,86 @@ def test_the_nearest_come_first_and_none_is_zeros():
     assert not rows(np.empty((0, 5)), count=2).any()
 
 
-def test_they_are_the_same_in_single_and_in_vector_environments():
-    single, many = make(**CORRIDOR), make_vector(2, **CORRIDOR)
+ROOM = [[-6, -6, 6, -6], [6, -6, 6, 6], [6, 6, -6, 6], [-6, 6, -6, -6]]
+HIDDEN = {
+    "properties": {},
+    "layers": [{"name": "walls", "map": {"segments": [*ROOM, [1, -0.5, 1, 0.5]]}}],
+    "models": [
+        {"name": "robot", "model": "package://flatland_gym/worlds/robot.model.yaml"},
+        *({"name": f"box_{x}_{y}", "pose": [x, y, 0], "model": "BOX"} for x, y in ((2, 0), (2, 3))),
+    ],
+}
+BOX = {
+    "bodies": [
+        {
+            "name": "box",
+            "type": "static",
+            "footprints": [{"type": "circle", "radius": 0.2, "density": 1}],
+        }
+    ]
+}
+
+
+def gaps_of(**arguments):
+    """1 / (1 + gap) of the neighbours of a robot at the origin."""
+    content = json.loads(json.dumps(HIDDEN).replace('"BOX"', json.dumps(BOX)))
+    env = make(world=content, neighbors=2, beams=8, **arguments)
+    observation = env.reset(seed=1, options={"start": [0, 0, 0], "goal": [-2, 0]})[0]
+    env.close()
+    return observation[-12::6]
+
+
+def test_walls_hide_models():
+    seen, hidden = 1 / (1 + math.hypot(2, 3) - 0.4), 1 / (1 + 2 - 0.4)
+
+    assert gaps_of() == pytest.approx([seen, 0.0])
+    assert gaps_of(neighbors_behind_walls=True) == pytest.approx([hidden, seen])
+    assert gaps_of(neighbors_behind_walls=True, neighbor_range=2.0) == pytest.approx([hidden, 0.0])
+    for wrong in ({"neighbor_range": 0.0}, {"neighbor_noise": -1.0}):
+        with pytest.raises(UsageError, match=f"expected {next(iter(wrong))} to be a number"):
+            gaps_of(**wrong)
+
+
+def test_lines_of_sight_end_at_walls():
+    walls = LinesOfSight(np.array([[1.0, -1.0, 1.0, 1.0], [50.0, -1.0, 50.0, 1.0]]))
+    lines = [
+        [0, 0, 2, 0],
+        [0, 0, 0.9, 0],
+        [0, 0, 2, 3],
+        [2, 0, 40, 0],
+        [2, 0, 60, 0],
+        [2, 2, 60, 2],
+    ]
+    lines = np.array([*lines, [np.nan, 0, 2, 0]], float)
+
+    assert walls.blocked(lines).tolist() == [True, False, False, False, True, False, False]
+    assert not LinesOfSight(np.empty((0, 4))).blocked(lines).any()
+
+
+def test_noise_has_its_standard_deviation_and_is_new_in_each_step():
+    arguments = {**CORRIDOR, "neighbors": 12, "neighbor_range": 30.0}
+    exact, noisy = (make_vector(60, **arguments, neighbor_noise=noise) for noise in (0.0, 0.2))
+    values = [[], []]
+    for env, kept in zip((exact, noisy), values):
+        kept.append(env.reset(seed=3)[0])
+        kept.append(env.step(np.zeros((60, 2), np.float32))[0])
+        env.close()
+    # Velocities are the fourth and fifth number; the order of the nearest differs with noise.
+    for part in (3, 4):
+        before, after = (
+            [np.sort(each[:, 13 + part :: 6], axis=1) for each in kept] for kept in values
+        )
+        spread = after[0].std() ** 2 - before[0].std() ** 2
+        assert spread == pytest.approx(0.2**2, rel=0.3)
+        assert np.abs(after[1] - after[0]).mean() > 0.05
+
+
+NOISY = {**CORRIDOR, "neighbor_noise": 0.1, "neighbor_range": 4.0}
+
+
+@pytest.mark.parametrize("arguments", [CORRIDOR, NOISY], ids=["exact", "noisy"])
+def test_they_are_the_same_in_single_and_in_vector_environments(arguments):
+    single, many = make(**arguments), make_vector(2, **arguments)
     alone, together = single.reset(seed=4)[0], many.reset(seed=3)[0]
     assert alone.shape == (8 + 3 + 2 + 18,)
     for _ in range(3):

@@ -1,5 +1,7 @@
 """The environments of Stable-Baselines3, compared with its DummyVecEnv of single ones."""
 
+import pickle
+
 import numpy as np
 import pytest
 from environments import assert_same, make
@@ -18,7 +20,8 @@ from stable_baselines3.common.vec_env import (
     VecNormalize,
 )
 
-from flatland_gym.sb3 import NavigationVecEnv
+from flatland_gym.multi_robot_vector_env import MultiRobotVectorEnv
+from flatland_gym.sb3 import MultiRobotVecEnv, NavigationVecEnv
 from flatland_gym.sb3_training import ScaledActions, mirrored, policy_of
 from flatland_gym.train import Mirror
 
@@ -47,6 +50,62 @@ def test_it_equals_so_many_single_environments(flatten):
     infos = [info for result in found[1:] for info in result[3]]
     assert any("terminal_observation" in info for info in infos)
     assert any(info["TimeLimit.truncated"] for info in infos)
+
+
+@pytest.mark.parametrize("flatten", [True, False])
+def test_teams_are_rows_that_end_together(flatten):
+    arguments = {**ARGUMENTS, "flatten": flatten}
+    teams = MultiRobotVectorEnv(3, 2, autoreset_mode="SameStep", **arguments)
+    env = MultiRobotVecEnv(3, 2, **arguments)
+    env.seed(3)
+
+    def rows(values):
+        if isinstance(values, dict):
+            return {name: rows(each) for name, each in values.items()}
+        return values.reshape(6, *values.shape[2:])
+
+    assert_same(env.reset(), rows(teams.reset(seed=3)[0]))
+    rng, left, truncations = np.random.default_rng(1), 0, 0
+    for _ in range(120):
+        actions = rng.uniform(0, 1, (3, 2, 2)).astype(np.float32)
+        observations, rewards, _, truncated, found = teams.step(actions)
+        result = env.step(actions.reshape(6, 2))
+        assert_same(result[0], rows(observations))
+        assert_same(result[1], rewards.ravel().astype(np.float32))
+        ended = found.get("_final_obs", np.zeros(3, bool))
+        assert_same(result[2], np.repeat(ended, 2))
+        left += (~found["present"]).sum()
+        for index, info in enumerate(result[3]):
+            assert info["TimeLimit.truncated"] == truncated.flat[index]
+            source, place = found, divmod(index, 2)
+            if ended[place[0]]:
+                source = found["final_info"]
+                last = found["final_obs"][place[0]]
+                last = {k: v[place[1]] for k, v in last.items()} if not flatten else last[place[1]]
+                assert_same(info["terminal_observation"], last)
+                truncations += info["TimeLimit.truncated"]
+            assert info["distance"] == source["distance"][place]
+    assert left > 0  # robots that were done before others
+    assert truncations > 0
+    with pytest.raises(UsageError, match="expected actions of shape"):
+        env.step(actions[0])
+    teams.close(), env.close()
+
+
+def test_one_policy_learns_to_drive_a_team():
+    env = VecMonitor(ScaledActions(MultiRobotVecEnv(2, 3, **ARGUMENTS)))
+    model = PPO("MlpPolicy", env, n_steps=32, batch_size=96, n_epochs=1, seed=1)
+    model.learn(200)
+    assert model.num_timesteps >= 200
+    assert policy_of(model).act(np.zeros((5, 21), np.float32)).shape == (5, 2)
+    env.close()
+
+
+@pytest.mark.parametrize("kind", [NavigationVecEnv, MultiRobotVecEnv])
+def test_copies_are_made_by_the_same_arguments(kind):
+    env = kind(2, **ARGUMENTS)
+    copied = pickle.loads(pickle.dumps(env))
+    assert_same(drive(copied, 20), drive(env, 20))
 
 
 def test_ppo_learns_with_it():

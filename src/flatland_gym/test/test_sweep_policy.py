@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from flatland2d import YamlError
 from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.scenario_file import read_scenario_file
 from flatland2d.sweep.settings import scenarios_of
@@ -35,20 +36,16 @@ def test_it_reaches_its_goals(tmp_path):
     assert sum(result.row["success"] for result in found) >= 17
 
 
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ({"goal": None}, "expected a goal for the policy to drive to"),
-        (
-            {"parameters": {"models.robot.plugins.laser.angle.increment": 0.2}},
-            "one lidar of 64 beams, found 32",
-        ),
-    ],
-)
-def test_a_task_that_does_not_fit_is_told(tmp_path, keys, message):
-    [result] = results(tmp_path, **keys)
+def test_a_robot_that_does_not_fit_is_told(tmp_path):
+    parameters = {"models.robot.plugins.laser.angle.increment": 0.2}
+    [result] = results(tmp_path, parameters=parameters)
 
-    assert message in result.error
+    assert "one lidar of 64 beams, found 32" in result.error
+
+
+def test_without_a_goal_there_is_no_run(tmp_path):
+    with pytest.raises(YamlError, match='goal in world "discs", to which the controller "trained'):
+        results(tmp_path, goal=None)
 
 
 def test_another_file_is_no_policy(tmp_path):

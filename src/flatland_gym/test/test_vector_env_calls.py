@@ -90,7 +90,10 @@ def test_a_step_after_an_end_is_refused_without_autoreset():
         ({"num_envs": 2, "autoreset_mode": "Never"}, "expected autoreset_mode to be one of"),
         ({"num_envs": 2, "render_mode": "human"}, "for a single environment"),
         ({"num_envs": 2, "render_envs": 0}, "expected render_envs to be a whole number above 0"),
-        ({"num_envs": 2, "wrold": "office"}, 'unknown argument "wrold"; there are: world, robot'),
+        (
+            {"num_envs": 2, "wrold": "office"},
+            r"""argument 'wrold' \(did you mean "world"\?\); there are: world, robot""",
+        ),
     ],
 )
 def test_wrong_arguments_are_named(arguments, message):

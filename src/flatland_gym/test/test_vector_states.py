@@ -1,13 +1,10 @@
 """States of vector environments: episodes go on from them, bit for bit."""
 
-import copy
-import pickle
-
 import numpy as np
 import pytest
-from environments import assert_same, make, make_vector
+from environments import assert_same, make_vector
 
-from flatland2d import FlatlandError, UsageError
+from flatland2d import FlatlandError
 from flatland_gym.fleet import BatchFleet
 from flatland_gym.multi_robot_vector_env import MultiRobotVectorEnv
 from flatland_gym.simulation_fleet import SimulationFleet
@@ -86,15 +83,6 @@ def test_states_with_another_number_of_robots_are_refused(fleet):
     with pytest.raises(FlatlandError, match="expected states with 3 robots, found 2"):
         three.load_states(env.save_states())
     env.close(), single.close(), three.close()
-
-
-@pytest.mark.parametrize("make_one", [make, lambda **settings: make_vector(1, **settings)])
-def test_an_environment_is_not_copied(make_one):
-    env = make_one(world="empty_room")
-    for copied in (copy.deepcopy, pickle.dumps):
-        with pytest.raises(UsageError, match="neither copied nor pickled"):
-            copied(env)
-    env.close()
 
 
 def test_wrong_states_are_refused(make_crowded):

@@ -42,10 +42,24 @@ def world_content(
     Raises:
         FlatlandError: there is no such world, or a file is missing or no YAML.
     """
-    transport = LocalTransport(params_of(params), ())
-    folders = [folder.absolute() for folder in folders_of(model_folders)]
+    return content_with(LocalTransport(params_of(params), ()), world, folders_of(model_folders))
+
+
+def content_with(
+    transport: LocalTransport,
+    world: Union[str, "os.PathLike[str]", Mapping[str, Any]],
+    folders: Sequence[Path] = (),
+) -> Dict[str, Any]:
+    """As `world_content`.
+
+    Args:
+        transport: has the parameters, and marks those that expressions read.
+        world: as for `world_content`.
+        folders: of models.
+    """
     with closing(YamlPreprocessor(transport.get_param)) as preprocessor:
-        content = read_world_content(world, preprocessor, folders)
+        absolute = [folder.absolute() for folder in folders]
+        content = read_world_content(world, preprocessor, absolute)
         for layer in content.get("layers") or ():
             if isinstance(layer.get("map"), str):
                 layer["map"] = MapConfig.from_file(Path(layer["map"]), preprocessor).content()

@@ -13,7 +13,7 @@ from flatland2d import BatchObservation, Simulation, SimulationBatch
 from flatland_gym.episodes import Episode
 from flatland_gym.navigation_world import NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings
-from flatland_server import BoolArray, FloatArray, IntArray
+from flatland_server import BoolArray, FloatArray, IntArray, Segments
 
 Motions = Tuple[FloatArray, FloatArray]
 """Poses and velocities."""
@@ -42,9 +42,13 @@ class Fleet(ABC):
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
         """Begins an episode at each of these places."""
 
-    @abstractmethod
     def is_blocked(self, index: int, episode: Episode) -> bool:
         """True if plugins have added walls at a start or a goal of a place's episode."""
+        return episode.is_near(self.added_walls(index), self._room)
+
+    @abstractmethod
+    def added_walls(self, index: int) -> Segments:
+        """The walls that plugins have added at a place: (m, 4)."""
 
     @abstractmethod
     def step(self, actions: FloatArray, indices: IntArray) -> None:
@@ -139,8 +143,8 @@ class BatchFleet(Fleet):
             places[indices] = [[each.places[name] for name in self._moved] for each in episodes]
         self._batch.reset(mask, seeds, poses, out=self._out, model_poses=places)
 
-    def is_blocked(self, index: int, episode: Episode) -> bool:
-        return episode.is_near(self._batch.added_walls(index), self._room)
+    def added_walls(self, index: int) -> Segments:
+        return self._batch.added_walls(index)
 
     def step(self, actions: FloatArray, indices: IntArray) -> None:
         mask = None

@@ -9,6 +9,7 @@ from gymnasium.utils import seeding
 from flatland2d import MissingPackageError, UsageError
 from flatland_gym.episodes import options_of
 from flatland_gym.navigation import Navigation, row_of
+from flatland_gym.pickling import ByArguments
 from flatland_gym.pictures import check_render_mode, page_of
 from flatland_gym.settings import NavigationSettings, require_seed
 from flatland_gym.team import STATE_SIZE, Team, check_team
@@ -25,7 +26,7 @@ except ImportError:
 _RENDER_MODES = ("human", "rgb_array")
 
 
-class MultiRobotEnv(ParallelEnv[str, Any, Any]):
+class MultiRobotEnv(ByArguments, ParallelEnv[str, Any, Any]):
     """Robots in one world that each drive to a goal of their own, past each other.
 
     Observations, actions and rewards of each are those of `NavigationEnv`. A robot leaves

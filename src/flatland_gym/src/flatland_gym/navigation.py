@@ -4,8 +4,7 @@ Environment k is the same whatever n is: it has random numbers of its own, a sim
 and a row of its own in each array.
 """
 
-from itertools import product
-from typing import Any, Dict, List, Mapping, NoReturn, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -13,8 +12,9 @@ from flatland2d import BatchObservation, Simulation, UsageError
 from flatland_gym.episodes import EpisodeSampler, options_of
 from flatland_gym.fleet import Fleet, Motions
 from flatland_gym.judging import judge
-from flatland_gym.navigation_world import NavigationWorld
-from flatland_gym.observations import as_dict, goal_distances, neighbor_rows
+from flatland_gym.navigation_world import load_all
+from flatland_gym.neighbors import Neighbors
+from flatland_gym.observations import as_dict, goal_distances
 from flatland_gym.pictures import RENDER_MODES, picture, status_line
 from flatland_gym.policy import Policy
 from flatland_gym.rewards import OtherModels, Transition
@@ -72,13 +72,8 @@ class Navigation:
             "render_modes": list(RENDER_MODES),
             "render_fps": round(1.0 / settings.period, 3),
         }
-        self._worlds = [
-            NavigationWorld.load(world, settings, scale, robots or 1)
-            for world, scale in product(settings.worlds, settings.robot_scales)
-        ]
+        self._worlds = load_all(settings, robots or 1)
         self.robot, self.robot_names = self._worlds[0].robot, self._worlds[0].robots
-        for world in self._worlds[1:]:
-            _require_alike(self._worlds[0], world)
         self._others = tuple(dict.fromkeys(n for world in self._worlds for n in world.others))
         self._radii = np.array([world.radii(self._others) for world in self._worlds])
         self._sampler = EpisodeSampler(self._worlds, settings)
@@ -96,6 +91,7 @@ class Navigation:
         self._team = robots or 1
         count *= self._team
         self.rows = BatchObservation.empty(count, self.robot.beams)
+        self._neighbors = Neighbors(self._worlds, settings, count, self._team)
         self._world_of = np.full(count, -1)  # the index of each row's world
         self.goals = np.zeros((count, 2))
         self.distances = np.zeros(count)
@@ -155,6 +151,8 @@ class Navigation:
             rows = self._rows_of(indices).ravel()
         self.goals[rows] = [goal for episode in episodes for goal in episode.goals]
         self._world_of[rows] = [episode.world for episode in episodes for _ in episode.goals]
+        if self.settings.neighbors:
+            self._see(indices, [episode.seed for episode in episodes])
         self.steps[rows] = 0
         self.successes[rows] = False
         self.distances[rows] = goal_distances(self.rows.poses[rows], self.goals[rows])
@@ -247,6 +245,7 @@ class Navigation:
                 "success": self.successes[own].tolist(),
                 "collided": self.rows.collided[own].tolist(),
                 "steps": self.steps[own].tolist(),
+                "episode": int(self._neighbors.seeds[own[0]]),
             }
             for k, own in zip(indices.tolist(), rows)
         ]
@@ -278,21 +277,31 @@ class Navigation:
         self.successes[rows] = [state["success"] for state in states]
         self.rows.collided[rows] = [state["collided"] for state in states]
         self.steps[rows] = [state["steps"] for state in states]
+        self._see(indices, [state["episode"] for state in states])
 
     def _rows_of(self, indices: IntArray) -> IntArray:
         """The rows of the robots of environments: (k, m)."""
         return self._team * indices[:, None] + np.arange(self._team)
 
+    def _see(self, indices: IntArray, seeds: Sequence[int]) -> None:
+        """Prepares the observation of neighbours in environments with episodes of these seeds."""
+        for rows, seed in zip(self._rows_of(indices), seeds):
+            self._neighbors.seeds[rows] = seed
+            fleet = self._fleet(int(self._world_of[rows[0]]))
+            self._neighbors.add_walls(rows.tolist(), fleet.added_walls(rows[0] // self._team))
+
     def observe(self) -> Float32Array:
         """Flat observations of all robots: a new array."""
-        rows, count = self.rows, self.settings.neighbors
+        rows = self.rows
         flat = self._observer.observe(rows.ranges, rows.poses, rows.local_velocities, self.goals)
-        if not count:
+        if not self.settings.neighbors:
             return flat
         poses, velocities = self._motions(np.arange(len(flat)))
         radii = self._radii[self._world_of][..., None]
         others = np.concatenate([poses[..., :2], velocities[..., :2], radii], axis=-1)
-        near = neighbor_rows(rows.poses, rows.local_velocities, others, count, self.robot.max_range)
+        near = self._neighbors.observe(
+            rows.poses, rows.local_velocities, others, self._world_of, self.steps
+        )
         return np.concatenate([flat, near], axis=1)
 
     def formed(self, observations: Float32Array) -> Any:
@@ -323,6 +332,8 @@ class Navigation:
             robot.action_limits,
             self._period,
             self.settings.neighbors,
+            self._neighbors.reach,
+            bool(self.settings.neighbors_behind_walls),
         )
 
     def simulation(self, index: int) -> Simulation:
@@ -352,12 +363,6 @@ class Navigation:
         """Ends all simulations."""
         for fleet in self._fleets.values():
             fleet.close()
-
-    def __reduce__(self) -> NoReturn:
-        raise UsageError(
-            "environments are neither copied nor pickled: make another one; vector environments "
-            "have save_states and load_states"
-        )
 
     def _fleet(self, world: int) -> Fleet:
         """The fleet of a world."""
@@ -416,14 +421,3 @@ def _require_tries(count: int) -> None:
             "the start or the goal lies in walls that a plugin of the world has added (tried "
             f"{_TRIES} times)"
         )
-
-
-def _require_alike(first: NavigationWorld, other: NavigationWorld) -> None:
-    """Raises a UsageError unless the robots of two worlds have the same spaces."""
-    for name in ("beams", "max_range", "action_limits", "velocity_limits"):
-        a, b = getattr(first.robot, name), getattr(other.robot, name)
-        if a != b:
-            raise UsageError(
-                f"expected worlds in which the robots are alike: {name} is {a} in {first.name}, "
-                f"{b} in {other.name}"
-            )

@@ -9,6 +9,7 @@ from gymnasium import spaces
 from flatland2d import UsageError
 from flatland2d.rendering.film import side_by_side
 from flatland_gym.navigation import row_of
+from flatland_gym.pickling import ByArguments
 from flatland_gym.pictures import RENDER_MODES, check_render_mode, page_of
 from flatland_gym.settings import NavigationSettings, require_seed
 from flatland_gym.single_navigation import SingleNavigation
@@ -16,7 +17,7 @@ from flatland_gym.single_navigation import SingleNavigation
 _ONE = np.array([0])
 
 
-class NavigationEnv(gymnasium.Env[Any, Any]):
+class NavigationEnv(ByArguments, gymnasium.Env[Any, Any]):
     """A robot drives to a goal at a known distance and bearing, around what its lidar sees.
 
     docs/learning.md describes observations, actions and rewards.

@@ -18,6 +18,7 @@ from flatland2d.batch.arguments import states_of
 from flatland2d.rendering.film import side_by_side
 from flatland_gym.episodes import options_of
 from flatland_gym.navigation import Navigation
+from flatland_gym.pickling import ByArguments
 from flatland_gym.pictures import check_render_mode
 from flatland_gym.settings import NavigationSettings, is_whole
 from flatland_server import BoolArray, Float32Array, FloatArray, plain_data
@@ -27,7 +28,7 @@ _IN_NOTEBOOKS = 9
 Seeds = Union[None, int, Sequence[Optional[int]]]
 
 
-class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
+class NavigationVectorEnv(ByArguments, VectorEnv[Any, Any, Any]):
     """n environments; see `NavigationEnv` for what each one is.
 
     Arrays that are returned are new ones in each call, and never written to again.
@@ -47,7 +48,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
     """
 
     _STATE: Tuple[str, ...] = (
-        *("world", "simulation", "goal", "distance", "success", "collided", "steps"),
+        *("world", "simulation", "goal", "distance", "success", "collided", "steps", "episode"),
         *("rng", "seed", "ended"),
     )
     """The keys of a state."""

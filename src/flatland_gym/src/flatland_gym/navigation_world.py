@@ -4,15 +4,19 @@ import itertools
 import math
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import Any, Dict, List, Mapping, Sequence, Set, Tuple
+from typing import AbstractSet, Any, Dict, List, Mapping, Sequence, Set, Tuple
 
 import numpy as np
 
-from flatland2d import DistanceGrid, Pose, Simulation, UsageError, find_robot, world_content
+from flatland2d import DistanceGrid, FlatlandError, Pose, Simulation, UsageError, find_robot
+from flatland2d.world_content import content_with
 from flatland_gym.robot import Content, Robot, scale_footprints, set_beams
 from flatland_gym.scenarios import SCENARIOS
 from flatland_gym.settings import NavigationSettings, WorldName
-from flatland_server import WorldConfig
+from flatland_server import Segments, WorldConfig
+from flatland_server.arguments import params_of
+from flatland_server.exceptions import listed, suggestion
+from flatland_server.transport.local_transport import LocalTransport, absolute_name
 
 PARKING = 5000.0
 """x and y [m] for models out of play: far from all walls, beyond the range of any lidar."""
@@ -51,11 +55,13 @@ class NavigationWorld:
         robots: the names of the models: that of the robot, or of so many robots like it.
         scale: of the robot, relative to the world's.
         radius: of the robot [m].
+        walls: of all its layers.
         space: where it can stand.
         standing: the models that stay where the world file puts them.
         scattered: the models that each episode places at random.
         obstacles: the added columns, of which each episode uses some.
         ends: the `start` and the `goal` of its episodes, unless options give others.
+        params_read: the parameters that its files and plugins have read.
     """
 
     name: str
@@ -64,11 +70,13 @@ class NavigationWorld:
     robots: Tuple[str, ...]
     scale: float
     radius: float
+    walls: Segments
     space: DistanceGrid
     standing: Tuple[Disc, ...]
     scattered: Tuple[Disc, ...]
     obstacles: Tuple[Disc, ...]
     ends: Mapping[str, Sequence[float]]
+    params_read: AbstractSet[str]
 
     @property
     def others(self) -> Tuple[str, ...]:
@@ -99,7 +107,8 @@ class NavigationWorld:
                 robot with a drive and a lidar.
         """
         scenario = SCENARIOS.get(world) if isinstance(world, str) else None
-        content = world_content(scenario.world if scenario else world, params=settings.params)
+        transport = LocalTransport(params_of(settings.params), ())
+        content = content_with(transport, scenario.world if scenario else world)
         inside, lidar = _prepared(content, settings, scale)
         added = _add_obstacles(content, settings)
         names = _multiplied(content, inside, robots)
@@ -113,10 +122,13 @@ class NavigationWorld:
             _require_matches(patterns, discs)
             robot = Robot.of(simulation.world, names[0], lidar, settings)
             driven = [discs.pop(name) for name in names].pop()
-            walls = [config.walls_of(layer) for layer in config.layers]
+            walls = np.concatenate(
+                [np.empty((0, 4)), *(config.walls_of(layer) for layer in config.layers)]
+            )
+            params_read = transport.params_read | simulation.transport.params_read
             largest = max([driven.radius, *(disc.radius for disc in discs.values())])
             space = DistanceGrid.shared(
-                np.concatenate([np.empty((0, 4)), *walls]),
+                walls,
                 tuple(inside.get("pose") or (0.0, 0.0))[:2],
                 largest + 2 * (driven.radius + settings.margin),
                 open_reach=_OPEN,
@@ -129,11 +141,13 @@ class NavigationWorld:
             names,
             scale,
             driven.radius,
+            walls,
             space,
             tuple(disc for disc in discs.values() if disc.name not in moved | added),
             tuple(disc for disc in discs.values() if disc.name in moved),
             tuple(disc for disc in discs.values() if disc.name in added),
             scenario.ends if scenario is not None and robots == 1 else {},
+            params_read,
         )
 
 
@@ -190,6 +204,49 @@ def _multiplied(content: Content, robot: Content, count: int) -> Tuple[str, ...]
         pose = list(parking_place(-1 - number))
         content["models"].append({**robot, "name": each, "namespace": each, "pose": pose})
     return names
+
+
+def load_all(settings: NavigationSettings, robots: int) -> List[NavigationWorld]:
+    """The worlds of an environment: each with each scale of the robot.
+
+    Args:
+        settings: of the environment.
+        robots: as for `NavigationWorld.load`.
+
+    Raises:
+        FlatlandError: one cannot be loaded, which the message names if there are several; their
+            robots are not alike, or a parameter is read by none.
+    """
+    loaded: List[NavigationWorld] = []
+    for index, world in enumerate(settings.worlds):
+        try:
+            for scale in settings.robot_scales:
+                loaded.append(NavigationWorld.load(world, settings, scale, robots))
+                _require_alike(loaded[0], loaded[-1])
+        except FlatlandError as error:
+            if len(settings.worlds) == 1:
+                raise
+            raise UsageError(f"world[{index}]: {error}") from error
+    read = {name for world in loaded for name in world.params_read}
+    for name in settings.params:
+        if absolute_name(name) not in read:
+            known = sorted(each for each in read if not each.startswith("/~"))
+            raise UsageError(
+                f'nothing in the world reads the parameter "{name}"{suggestion(name, known)}; '
+                f"there are: {listed(known)}"
+            )
+    return loaded
+
+
+def _require_alike(first: NavigationWorld, other: NavigationWorld) -> None:
+    """Raises a UsageError unless the robots of two worlds have the same spaces."""
+    for name in ("beams", "max_range", "action_limits", "velocity_limits"):
+        a, b = getattr(first.robot, name), getattr(other.robot, name)
+        if a != b:
+            raise UsageError(
+                f"expected worlds in which the robots are alike: {name} is {a} in {first.name}, "
+                f"{b} in {other.name}"
+            )
 
 
 def _require_matches(patterns: Sequence[Any], names: Dict[str, Disc]) -> None:

@@ -46,6 +46,8 @@ class Policy:
         action_limits: see `Robot.action_limits`.
         period: between two actions [s].
         neighbors: how many of the nearest other models it is told about.
+        neighbor_range: the largest gap of these [m].
+        neighbors_behind_walls: whether it is told about models that a wall hides.
     """
 
     weights: Tuple[Float32Array, ...]
@@ -56,6 +58,8 @@ class Policy:
     action_limits: Tuple[float, ...]
     period: float
     neighbors: int = 0
+    neighbor_range: float = math.inf
+    neighbors_behind_walls: bool = False
 
     def act(self, observations: Float32Array) -> Float32Array:
         """The actions for flat observations: shape (n, size of an action), within the limits.
@@ -87,7 +91,8 @@ class Policy:
             velocity: in the robot's frame: forwards, to the left, turning [m/s, m/s, rad/s].
             goal: x, y [m], in the frame of the pose.
             neighbors: other models, for a policy with neighbours: shape (m, 5), x, y [m], vx, vy
-                [m/s] in the frame of the pose, and the radius of the model and the robot together.
+                [m/s] in the frame of the pose, and the radius of the model and the robot together;
+                those in sight, unless it has `neighbors_behind_walls`.
 
         Raises:
             UsageError: neighbours are missing, a shape is another one, or a number is not finite.
@@ -101,7 +106,7 @@ class Policy:
         observation = observer.observe(scan, *rows)
         if self.neighbors:
             near = _neighbors(neighbors)
-            parts = neighbor_rows(*rows[:2], near[None], self.neighbors, self.max_range)
+            parts = neighbor_rows(*rows[:2], near[None], self.neighbors, self.neighbor_range)
             observation = np.concatenate([observation, parts], axis=1)
         action: List[float] = self.act(observation)[0].tolist()
         return action
@@ -144,7 +149,10 @@ class Policy:
                 tuple(content["velocity_limits"].tolist()),
                 tuple(content["action_limits"].tolist()),
                 float(content["period"]),
-                int(content.get("neighbors", 0)),  # not in files of former versions
+                # These are not in files of former versions.
+                int(content.get("neighbors", 0)),
+                float(content.get("neighbor_range", math.inf)),
+                bool(content.get("neighbors_behind_walls", False)),
             )
             policy._require_sound()
             return policy
@@ -163,8 +171,8 @@ class Policy:
         if not all(0.0 < value < math.inf for value in (self.period, self.max_range)):
             raise ValueError(f"its period is {self.period} s, its range {self.max_range} m")
         parts = sum(limit > 0.0 for limit in self.velocity_limits)
-        if self.neighbors < 0:
-            raise ValueError(f"it has {self.neighbors} neighbours")
+        if self.neighbors < 0 or not self.neighbor_range > 0.0:
+            raise ValueError(f"it has {self.neighbors} neighbours up to {self.neighbor_range} m")
         size = self.beams + 3 + parts + NEIGHBOR * self.neighbors
         for weight, bias in zip(self.weights, self.biases):
             if weight.ndim != 2 or weight.shape[0] != size or bias.shape != weight.shape[1:]:

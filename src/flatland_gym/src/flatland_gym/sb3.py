@@ -1,12 +1,14 @@
 """Environments for Stable-Baselines3, which does not take Gymnasium's vector environments."""
 
-from typing import Any, Dict, Iterable, List, Optional, Sequence, Union
+from typing import Any, Dict, Iterable, List, Optional, Sequence, Type, Union
 
 import numpy as np
 
 from flatland2d import MissingPackageError, UsageError
+from flatland_gym.multi_robot_vector_env import MultiRobotVectorEnv
 from flatland_gym.navigation import row_of
 from flatland_gym.navigation_vector_env import NavigationVectorEnv
+from flatland_gym.pickling import ByArguments
 
 try:
     from stable_baselines3.common.vec_env import VecEnv
@@ -18,7 +20,7 @@ except ImportError:
 Indices = Union[None, int, Iterable[int]]
 
 
-class NavigationVecEnv(VecEnv):
+class NavigationVecEnv(ByArguments, VecEnv):
     """`NavigationVectorEnv` for the learners of Stable-Baselines3.
 
         model = PPO("MlpPolicy", NavigationVecEnv(num_envs=64, world="discs"))
@@ -35,25 +37,31 @@ class NavigationVecEnv(VecEnv):
         FlatlandError: an argument is wrong, or the world cannot be used.
     """
 
+    _KIND: Type[NavigationVectorEnv] = NavigationVectorEnv
+    _AXES = 1
+    """Axes of its arrays before those of a row."""
+
     def __init__(self, num_envs: int = 1, **arguments: Any) -> None:
         if "autoreset_mode" in arguments:
             raise UsageError("expected no autoreset_mode: Stable-Baselines3 has one of its own")
-        env = NavigationVectorEnv(num_envs, autoreset_mode="SameStep", **arguments)
+        env = self._KIND(num_envs, autoreset_mode="SameStep", **arguments)
         self.envs = env
         self.metadata = env.metadata
         self.render_mode = env.render_mode
         self._actions: Any = None
-        super().__init__(env.num_envs, env.single_observation_space, env.single_action_space)
+        robots = env.navigation
+        super().__init__(len(robots.goals), robots.observation_space, robots.action_space)
+        self._robots = self.num_envs // env.num_envs  # in each environment
 
     def reset(self) -> Any:
         """Begins an episode in all environments; returns the observations."""
-        seeds, options = list(self._seeds), self._common_options()
+        seeds, options = list(self._seeds[: self.envs.num_envs]), self._common_options()
         has_seeds = any(seed is not None for seed in seeds)
         observations, infos = self.envs.reset(seed=seeds if has_seeds else None, options=options)
         self._reset_seeds()
         self._reset_options()
         self.reset_infos = self._split(infos)
-        return observations
+        return _flat(observations, self._AXES)
 
     def step_async(self, actions: Any) -> None:
         """Takes the actions of the next step."""
@@ -61,16 +69,20 @@ class NavigationVecEnv(VecEnv):
 
     def step_wait(self) -> Any:
         """Makes a step: observations, rewards (float32), ends and infos."""
-        observations, rewards, terminated, truncated, found = self.envs.step(self._actions)
-        ended = terminated | truncated
-        infos = self._split(found)
-        for index in np.flatnonzero(ended).tolist():
-            self.reset_infos[index] = infos[index]
-            infos[index] = _row(found["final_info"], index)
-            infos[index]["terminal_observation"] = found["final_obs"][index]
-        for info, is_truncated in zip(infos, truncated.tolist()):
+        observations, rewards, _, truncated, found = self.envs.step(self._actions)
+        ended, infos, robots = np.zeros(self.num_envs, bool), self._split(found), self._robots
+        if "_final_obs" in found:
+            ended = np.repeat(found["_final_obs"], robots)
+            final = self._parts(found["final_info"])
+            for index in np.flatnonzero(ended).tolist():
+                self.reset_infos[index] = infos[index]
+                last = _flat(found["final_obs"][index // robots], self._AXES - 1)
+                infos[index] = row_of(final, index)
+                infos[index]["terminal_observation"] = _row(last, index % robots)
+        for info, is_truncated in zip(infos, truncated.ravel().tolist()):
             info["TimeLimit.truncated"] = is_truncated
-        return observations, rewards.astype(np.float32), ended, infos
+        rewards = rewards.ravel().astype(np.float32)
+        return _flat(observations, self._AXES), rewards, ended, infos
 
     def close(self) -> None:
         """Ends all simulations."""
@@ -109,11 +121,55 @@ class NavigationVecEnv(VecEnv):
         return dict(options[0])
 
     def _split(self, infos: Dict[str, Any]) -> List[Dict[str, Any]]:
-        """An info for each environment."""
-        return [_row(infos, index) for index in range(self.num_envs)]
+        """An info for each row."""
+        parts = self._parts(infos)
+        return [row_of(parts, index) for index in range(self.num_envs)]
+
+    def _parts(self, infos: Dict[str, Any]) -> Dict[str, Any]:
+        """The infos of the last step alone, with a row for each robot."""
+        names = [name for name in infos if not name.startswith(("_", "final_"))]
+        return {name: _flat(infos[name], self._AXES) for name in names}
 
 
-def _row(infos: Dict[str, Any], index: int) -> Dict[str, Any]:
-    """The info of one environment, of the last step alone."""
-    parts = {name: infos[name] for name in infos if not name.startswith(("_", "final_"))}
-    return row_of(parts, index)
+class MultiRobotVecEnv(NavigationVecEnv):
+    """`MultiRobotVectorEnv` for Stable-Baselines3: one policy that drives all robots.
+
+        model = PPO("MlpPolicy", MultiRobotVecEnv(num_envs=16, robots=4, world="discs"))
+
+    Each robot is an environment of the learner, and `num_envs` is their number: those of the first
+    environment come first. A robot whose episode has ended gets zeros, and rewards of 0, until
+    those of all robots of its environment have; then all of them are done, and begin the next.
+
+    Args:
+        num_envs: how many environments there are.
+        robots: how many each has, two at least.
+        arguments: those of `MultiRobotVectorEnv`, but its `autoreset_mode`.
+
+    Raises:
+        FlatlandError: an argument is wrong, or the world cannot be used.
+    """
+
+    _KIND, _AXES = MultiRobotVectorEnv, 2
+
+    def __init__(self, num_envs: int = 1, robots: int = 2, **arguments: Any) -> None:
+        super().__init__(num_envs, robots=robots, **arguments)
+
+    def step_async(self, actions: Any) -> None:
+        """Takes the actions of the next step, a row for each robot."""
+        rows = np.asarray(actions)
+        shape = (self.envs.num_envs, self._robots, *self.action_space.shape)
+        self._actions = rows.reshape(shape) if rows.size == np.prod(shape) else rows
+
+
+def _flat(values: Any, axes: int) -> Any:
+    """Arrays with one axis of rows in place of so many first ones; also as a dict."""
+    if isinstance(values, dict):
+        return {name: _flat(each, axes) for name, each in values.items()}
+    return values.reshape(-1, *values.shape[axes:])
+
+
+def _row(values: Any, index: int) -> Any:
+    """The row of an array, or of each of a dict."""
+    if isinstance(values, dict):
+        return {name: each[index] for name, each in values.items()}
+    return values[index]

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Dict, Mapping, Tuple
 
-from flatland_server.config.shipped_worlds import find_world
+from flatland_server.config.shipped_worlds import SCENE_GOALS, find_world
 
 _WORLDS = Path(__file__).resolve().parent / "worlds"
 
@@ -25,9 +25,9 @@ class Scenario:
     ends: Mapping[str, Tuple[float, ...]] = field(default_factory=dict)
 
 
-def _scene(name: str, start: Tuple[float, ...], goal: Tuple[float, ...]) -> Scenario:
+def _scene(name: str, *start: float) -> Scenario:
     """A shipped world with one task."""
-    return Scenario(find_world(name), ends={"start": start, "goal": goal})
+    return Scenario(find_world(name), ends={"start": start, "goal": SCENE_GOALS[name]})
 
 
 SCENARIOS: Dict[str, Scenario] = {
@@ -35,11 +35,11 @@ SCENARIOS: Dict[str, Scenario] = {
     "discs": Scenario(_WORLDS / "discs.yaml", ("disc_*",)),
     "corridor": Scenario(_WORLDS / "corridor.yaml", ("person_*",)),
     "doors": Scenario(_WORLDS / "doors.yaml"),
-    "corridor_frontal": _scene("corridor_frontal", (-6.0, 0.0, 0.0), (6.0, 0.0)),
-    "intersection": _scene("intersection", (-6.0, 0.0, 0.0), (6.0, 0.0)),
-    "doorway": _scene("doorway", (-4.0, 0.0, 0.0), (4.0, 0.0)),
-    "overtaking": _scene("overtaking", (-6.0, 0.0, 0.0), (6.0, 0.0)),
-    "crossing": _scene("crossing", (-5.0, 0.0, 0.0), (5.0, 0.0)),
-    "circle_crossing": _scene("circle_crossing", (4.0, 0.0, math.pi), (-4.0, 0.0)),
+    "corridor_frontal": _scene("corridor_frontal", -6.0, 0.0, 0.0),
+    "intersection": _scene("intersection", -6.0, 0.0, 0.0),
+    "doorway": _scene("doorway", -4.0, 0.0, 0.0),
+    "overtaking": _scene("overtaking", -6.0, 0.0, 0.0),
+    "crossing": _scene("crossing", -5.0, 0.0, 0.0),
+    "circle_crossing": _scene("circle_crossing", 4.0, 0.0, math.pi),
 }
 """By name; "office" is the shipped world of `flatland_server`."""

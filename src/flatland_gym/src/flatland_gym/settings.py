@@ -9,6 +9,7 @@ import numpy as np
 
 from flatland2d import UsageError
 from flatland_gym.rewards import RewardWeights, Transition
+from flatland_server.exceptions import UnknownArgumentError, suggestion
 
 WorldName = Any
 """The name of a scenario or of a shipped world, the path of a world file, or its content."""
@@ -28,6 +29,10 @@ class NavigationSettings:
         lidar: the name of its lidar, if it has several.
         beams: number of beams, evenly over the angle of its lidar; None leaves them as they are.
         neighbors: number of the nearest other models that are observed, with velocities.
+        neighbor_range: the largest gap at which they are observed [m]; None: the lidar's range.
+        neighbor_noise: standard deviation of their positions [m] and velocities [m/s], along each
+            axis.
+        neighbors_behind_walls: whether models are observed that a wall hides from the robot.
         step_size: of the physics [s].
         frame_skip: physics steps in a step of the environment.
         flatten: whether observations are one array, or a dict of ranges, goal and velocity.
@@ -58,6 +63,9 @@ class NavigationSettings:
     lidar: Optional[str] = None
     beams: Optional[int] = None
     neighbors: int = 0
+    neighbor_range: Optional[float] = None
+    neighbor_noise: float = 0.0
+    neighbors_behind_walls: bool = False
     step_size: float = 0.05
     frame_skip: int = 1
     flatten: bool = True
@@ -93,6 +101,9 @@ class NavigationSettings:
         if self.time_limit != math.inf:
             _require_number("time_limit", self.time_limit, above=0.0)
         _require_number("margin", self.margin, minimum=0.0)
+        _require_number("neighbor_noise", self.neighbor_noise, minimum=0.0)
+        if self.neighbor_range is not None:
+            _require_number("neighbor_range", self.neighbor_range, above=0.0)
         if self.lidar_noise is not None:
             _require_number("lidar_noise", self.lidar_noise, minimum=0.0)
         for name in ("goal_distance", "obstacle_radius"):
@@ -114,7 +125,7 @@ class NavigationSettings:
             _require_sequence("scatter", self.scatter, "patterns")
             are_strings = all(isinstance(each, str) for each in self.scatter)
             _require("scatter", self.scatter, are_strings, "a sequence of patterns")
-        for name in ("flatten", "collision_ends"):
+        for name in ("flatten", "collision_ends", "neighbors_behind_walls"):
             value = getattr(self, name)
             _require(name, value, isinstance(value, (bool, np.bool_)), "true or false")
         for name in ("reward", "terminated"):
@@ -155,12 +166,15 @@ class NavigationSettings:
             arguments: attributes of this class, by their names.
 
         Raises:
-            UsageError: one is unknown or wrong.
+            UsageError: one is unknown (also a TypeError) or wrong.
         """
         known = [each.name for each in fields(cls)]
         for name in arguments:
             if name not in known:
-                raise UsageError(f'unknown argument "{name}"; there are: {", ".join(known)}')
+                raise UnknownArgumentError(  # Python's words, which TorchRL expects
+                    f"got an unexpected keyword argument '{name}'{suggestion(name, known)}; "
+                    f"there are: {', '.join(known)}"
+                )
         return cls(**arguments)
 
 

@@ -10,7 +10,7 @@ from flatland_gym.episodes import Episode
 from flatland_gym.fleet import BatchFleet, Fleet, Motions
 from flatland_gym.navigation_world import NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings
-from flatland_server import Body, BoolArray, FloatArray, IntArray, ModelPlugin
+from flatland_server import Body, BoolArray, FloatArray, IntArray, ModelPlugin, Segments
 
 _ONLY = np.array([0])
 
@@ -61,13 +61,13 @@ class RobotSimulation(Fleet):
         rows.collided[:] = False
         self._look(range(len(robots)))
 
-    def is_blocked(self, index: int, episode: Episode) -> bool:
+    def added_walls(self, index: int) -> Segments:
         config = self._world.config
         added = [
             layer.segments[len(config.walls_of(layer.config)) :]
             for layer in self.simulation(index).world.layers
         ]
-        return episode.is_near(np.concatenate([np.empty((0, 4)), *added]), self._room)
+        return np.concatenate([np.empty((0, 4)), *added])
 
     def step(self, actions: FloatArray, indices: IntArray) -> None:
         self.drive(indices.tolist(), actions[indices].tolist())
@@ -157,8 +157,8 @@ class SimulationFleet(Fleet):
         self._make_places(chosen)
         self._each(lambda index: self._places[index].reset(_ONLY, [chosen[index]]), list(chosen))
 
-    def is_blocked(self, index: int, episode: Episode) -> bool:
-        return self._places[index].is_blocked(0, episode)
+    def added_walls(self, index: int) -> Segments:
+        return self._places[index].added_walls(0)
 
     def step(self, actions: FloatArray, indices: IntArray) -> None:
         numbers = self._by_place(indices)

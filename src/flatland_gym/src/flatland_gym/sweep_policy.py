@@ -1,11 +1,14 @@
 """Drives the robots of a sweep (`flatland sweep`) by a trained policy."""
 
-from typing import Dict, List, Tuple
+from typing import Dict
+
+import numpy as np
 
 from flatland2d import SensorHandle, UsageError
 from flatland2d.sweep import SweepRun
 from flatland_gym.policy import Policy
-from flatland_server import Float32Array
+from flatland_server import Float32Array, FloatArray
+from flatland_server._core import LinesOfSight
 
 
 def drive(run: SweepRun, file: str) -> None:
@@ -13,7 +16,7 @@ def drive(run: SweepRun, file: str) -> None:
 
     Args:
         run: has a goal, and a robot with a lidar that has as many beams as the policy's. A policy
-            with neighbours is told the true motions of the other models.
+            with neighbours is told the true motions of the other models in sight.
         file: of the policy.
 
     Raises:
@@ -21,24 +24,29 @@ def drive(run: SweepRun, file: str) -> None:
     """
     policy = _load(file)
     lidar = _lidar_of(run, policy.beams)
-    if run.goal is None:
-        raise UsageError("expected a goal for the policy to drive to, found none")
+    layers = run.simulation.world.layers
+    hiding = [] if policy.neighbors_behind_walls else [layer.segments for layer in layers]
+    walls = LinesOfSight(np.concatenate([np.empty((0, 4)), *hiding]))
     while run.is_running:
         robot = run.robot
-        neighbors = _neighbors_of(run) if policy.neighbors else None
+        neighbors = _neighbors_of(run, walls) if policy.neighbors else None
         measured = lidar.read(), robot.pose, robot.local_velocity
         robot.command(*policy.drive(*measured, run.goal, neighbors))
         run.step(policy.period)
 
 
-def _neighbors_of(run: SweepRun) -> List[Tuple[float, ...]]:
-    """The other models, as a policy takes them."""
+def _neighbors_of(run: SweepRun, walls: LinesOfSight) -> FloatArray:
+    """The other models that these walls do not hide, as a policy takes them."""
     own = run.robot.model
-    return [
-        (*model.pose[:2], *model.base.physics_body.velocity[:2], model.radius + own.radius)
-        for model in run.simulation.world.models.values()
-        if model is not own
-    ]
+    others = np.array(
+        [
+            (*model.pose[:2], *model.base.physics_body.velocity[:2], model.radius + own.radius)
+            for model in run.simulation.world.models.values()
+            if model is not own
+        ]
+    ).reshape(-1, 5)
+    lines = np.concatenate([np.tile(own.pose[:2], (len(others), 1)), others[:, :2]], axis=1)
+    return others[~walls.blocked(lines)]
 
 
 def _lidar_of(run: SweepRun, beams: int) -> SensorHandle[Float32Array]:

@@ -74,7 +74,7 @@ class Attention:
     """Giving way to robots: the crowd's, unless a pedestrian's own entry says otherwise.
 
     Attributes:
-        sees_robots: False: it never gives way to them.
+        sees_robots: False: it never gives way to them, and walks into those that stand.
         yields: probability that it gives way in an encounter.
         reaction_time: from seeing a robot to giving way [s].
         field_of_view: in which it sees people and robots, about its heading [rad].
@@ -86,9 +86,9 @@ class Attention:
     field_of_view: float = 2.0 * math.pi
 
     @property
-    def numbers(self) -> Tuple[float, float, float]:
+    def numbers(self) -> Tuple[bool, float, float, float]:
         """As the core takes them."""
-        return self.yields if self.sees_robots else 0.0, self.reaction_time, self.field_of_view
+        return self.sees_robots, self.yields, self.reaction_time, self.field_of_view
 
     @classmethod
     def read(cls, reader: YamlReader, default: "Attention") -> "Attention":

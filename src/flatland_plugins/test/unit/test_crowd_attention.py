@@ -12,11 +12,12 @@ TOWARDS_THE_ROBOT = "pose: [-4, 0, 0], goals: [[4, 0], [9, 0]]"
 TOUCH = 0.2 + RADIUS
 
 
-def nearest(town, files, person: str, seconds: float = 8.0) -> float:
-    """The least distance of a person from a heavy robot that stands in the way [m]."""
+def nearest(town, files, person: str, speed: float = 0.1, keys: str = CALM) -> float:
+    """The least distance of a person from a heavy robot that comes slowly [m]."""
     disc = "{type: circle, radius: 0.2, density: 100000}"
-    people = town(f"{TOWARDS_THE_ROBOT}, {person}", keys=CALM, robots=robot(files, footprint=disc))
-    path = walk(people, seconds, "people_0", "robot")
+    people = town(f"{TOWARDS_THE_ROBOT}, {person}", keys=keys, robots=robot(files, footprint=disc))
+    people.model("robot").base.physics_body.velocity = (-speed, 0.0, 0.0)
+    path = walk(people, 8.0, "people_0", "robot")
     return float(np.linalg.norm(path[:, 0] - path[:, 1], axis=-1).min())
 
 
@@ -26,6 +27,20 @@ def nearest(town, files, person: str, seconds: float = 8.0) -> float:
 @pytest.mark.parametrize("keys", ["sees_robots: false", "yields: 0", "field_of_view: 0"])
 def test_who_sees_no_robots_walks_into_them(town, files, keys):
     assert nearest(town, files, keys) == pytest.approx(TOUCH, abs=0.02)
+
+
+@pytest.mark.parametrize("keys", ["sees_robots: false", "field_of_view: 0"])
+def test_who_sees_no_robots_walks_into_those_that_stand(town, files, keys):
+    assert nearest(town, files, keys, speed=0.0) == pytest.approx(TOUCH, abs=0.02)
+
+
+@pytest.mark.parametrize("motion", ["social_force", "orca"])
+@pytest.mark.parametrize("keys", ["yields: 0", "reaction_time: 30"])
+def test_who_does_not_yield_still_sees_what_stands(town, files, keys, motion):
+    person = f"{keys}, field_of_view: 3"
+    crowd = f"{CALM}, motion: {motion}"
+    assert nearest(town, files, person, speed=0.0, keys=crowd) > TOUCH + 0.02
+    assert nearest(town, files, person, keys=crowd) < TOUCH + 0.01
 
 
 def test_who_does_not_yield_still_passes_people_and_stays_behind_walls(town):
@@ -73,10 +88,12 @@ def test_of_many_people_as_many_yield_as_the_probability_says(town, files):
         keys=f"{CALM}, yields: 0.3",
         robots=robots,
     )
-    path = walk(people, 4.0, *(f"people_{k}" for k in lanes))
-    middles = np.array([[0.0, 12.0 * k] for k in lanes])
+    for name in robots:
+        people.model(name).base.physics_body.velocity = (-0.1, 0.0, 0.0)
+    path = walk(people, 4.0, *(f"people_{k}" for k in lanes), *robots)
 
-    walked_into = np.linalg.norm(path - middles, axis=-1).min(axis=0) < TOUCH + 0.05
+    distances = np.linalg.norm(path[:, : len(lanes)] - path[:, len(lanes) :], axis=-1)
+    walked_into = distances.min(axis=0) < TOUCH + 0.05
 
     # 42 expected; binomial, 4 standard deviations
     assert abs(int(walked_into.sum()) - 42) < 4 * math.sqrt(60 * 0.3 * 0.7)
@@ -173,6 +190,21 @@ def test_with_orca_forty_cross_a_circle_without_touching(town):
     apart = np.linalg.norm(offsets, axis=-1) + np.where(np.eye(40, dtype=bool), np.inf, 0.0)
     assert apart.min() > 2 * RADIUS - 0.02
     assert path[-1] == pytest.approx(-path[0], abs=0.4)
+
+
+@pytest.mark.parametrize("noise", ["", "force: {noise: 0}, "])
+def test_with_orca_noise_ends_the_wait_of_people_evenly_on_a_circle(town, noise):
+    places = [
+        (4.0 * math.cos(k * math.tau / 8), 4.0 * math.sin(k * math.tau / 8)) for k in range(8)
+    ]
+    people = town(
+        *(f"pose: [{x}, {y}, 0], goals: [[{-x}, {-y}]]" for x, y in places),
+        keys=f"{noise}motion: orca",
+    )
+    people.run(40.0)
+
+    left = [math.dist(position(people, f"people_{k}"), (-x, -y)) for k, (x, y) in enumerate(places)]
+    assert min(left) > 3.0 if noise else max(left) < 0.3
 
 
 def test_with_orca_they_stay_behind_walls_and_pass_robots(town, files):

@@ -1104,7 +1104,7 @@ class Crowd(_WithoutConstructor):
         leg_offset: float = 0.0,
         walk_ratio: float = 0.0,
         leg_radii: _PairLike = ...,
-        attention: _TripleLike = ...,
+        attention: tuple[bool, float, float, float] = ...,
         group: int = -1,
         area: tuple[_Pair, _Pair] | None = None,
         stands: bool = False,
@@ -1122,8 +1122,8 @@ class Crowd(_WithoutConstructor):
             walk_ratio: a step's length by the steps per second [m s].
             leg_radii: of a leg's first footprint as lidars see it, on the floor and in the middle
                 of its swing [m]; if they are equal, it stays as it is.
-            attention: the probability that it gives way to robots in an encounter, its reaction
-                time [s] and its field of view [rad].
+            attention: whether it sees robots, the probability that it gives way to them in an
+                encounter, its reaction time [s] and its field of view [rad].
             group: the people of a group keep together; -1: none.
             area: lower and upper corner of a rectangle in which goals are drawn [m].
             stands: at the place in the area at which `scatter` puts it.
@@ -1213,6 +1213,29 @@ class GoalObserver(metaclass=_Metaclass):
             velocities: in the robots' frames, shape (n, 3): forwards, to the left, turning.
             goals: x, y [m], shape (n, 2).
         """
+
+class LinesOfSight(metaclass=_Metaclass):
+    """Tells which straight lines are blocked by walls.
+
+    Args:
+        walls: x1, y1, x2, y2 [m], shape (m, 4).
+    """
+
+    def __init__(self, walls: Segments) -> None: ...
+    def blocked(self, lines: FloatArray) -> BoolArray:
+        """Whether a wall crosses each line: a new array of shape (n,). Releases the GIL.
+
+        Args:
+            lines: x1, y1, x2, y2 [m], shape (n, 4); a line that is not finite is not blocked.
+        """
+
+def normal_rows(keys: npt.NDArray[np.uint64], count: int) -> FloatArray:
+    """Normally distributed random numbers: a new array of shape (n, count).
+
+    Args:
+        keys: equal ones give equal rows, shape (n,).
+        count: of the numbers in a row.
+    """
 
 def lower_to_walls(
     squares: FloatArray, walls: Segments, reach: float, corner: _PairLike, side: float

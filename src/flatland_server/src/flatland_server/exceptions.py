@@ -11,6 +11,7 @@
     ├── StateError          a state cannot be saved, or does not fit the world it is loaded into
     ├── TopicError          a name is not allowed for a topic or frame, or a topic has another type
     └── UsageError          a program calls something with a wrong value, or after `close`
+        └── UnknownArgumentError  an argument has an unknown name: a TypeError, too
 
 The core adds `GoneError`, a `ReferenceError`: a handle to a deleted body, joint or drive is used.
 Messages tell the user where the problem is, what was expected and what was found.
@@ -176,6 +177,10 @@ class TopicError(FlatlandError):
 
 class UsageError(FlatlandError, ValueError):
     """A program calls something with a wrong value, or after `close`."""
+
+
+class UnknownArgumentError(UsageError, TypeError):
+    """An argument has an unknown name."""
 
 
 def shortened(found: str, longest: int = 80) -> str:

@@ -6,20 +6,21 @@ import signal
 import sys
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
-from typing import Callable, Iterator
+from typing import Callable, Iterator, List
 
 from flatland2d.cli.arguments import Subparsers, whole_from
 from flatland2d.cli.sweep_progress import show_progress
 from flatland2d.cli.sweep_replay import replay
 from flatland2d.sweep.comparison import require_scipy
 from flatland2d.sweep.local_pool import LocalPool
+from flatland2d.sweep.metrics import SUMMARISED
 from flatland2d.sweep.ray_pool import RayPool
 from flatland2d.sweep.regressions import junit, read_rows, verdicts
 from flatland2d.sweep.report import summary_cells, text_table
 from flatland2d.sweep.scenario_file import read_scenario_file
 from flatland2d.sweep.sweep import JOURNAL, Pool, Sweep
 from flatland2d.sweep.tables import write_file
-from flatland_server.exceptions import counted, listed
+from flatland_server.exceptions import counted, listed, suggestion
 
 _INTERRUPTED = 130
 
@@ -58,6 +59,14 @@ def add_parser(commands: Subparsers) -> None:
         help="runs without success that the report shows (default: %(default)s)",
     )
     parser.add_argument(
+        "--metrics",
+        type=_metrics,
+        default=SUMMARISED,
+        metavar="NAMES",
+        help="the columns, separated by commas, that are compared and in the tables and the figure "
+        "for papers (default: all); p-values are adjusted for these",
+    )
+    parser.add_argument(
         "--retry-failed",
         action="store_true",
         help="run those again, too, that could not be run to the end",
@@ -94,6 +103,18 @@ def add_parser(commands: Subparsers) -> None:
         help="with --replay: record messages: .bag for ROS, .mcap for Foxglove",
     )
     parser.set_defaults(execute=_execute, parser=parser)
+
+
+def _metrics(text: str) -> List[str]:
+    """The names of metrics."""
+    names = text.split(",")
+    for name in names:
+        if name not in SUMMARISED:
+            raise argparse.ArgumentTypeError(
+                f'there is no metric "{name}"{suggestion(name, SUMMARISED)}; '
+                f"there are: {listed(SUMMARISED)}"
+            )
+    return names
 
 
 def _execute(options: argparse.Namespace) -> int:
@@ -153,7 +174,7 @@ def _run(sweep: Sweep, options: argparse.Namespace, stack: ExitStack) -> int:
     for result in sweep.run(rest, pool):
         progress.count(result)
     progress.end()
-    written = sweep.write(pool, options.pictures)
+    written = sweep.write(pool, options.pictures, options.metrics)
     print(text_table(*summary_cells(written.summary, is_brief=True)))
     print(
         f"results in {sweep.folder}, with more metrics: results.csv, summary.csv, report.html ..."

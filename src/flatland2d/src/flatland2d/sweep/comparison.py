@@ -15,7 +15,7 @@ Runs are paired by world, parameters and seed, so that both of a pair had the sa
 
 import math
 from itertools import combinations
-from typing import Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple
+from typing import Any, Collection, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
@@ -154,12 +154,15 @@ def group_names(row: TextRow) -> List[str]:
     return ["world", *names[names.index("controller") + 1 : names.index("seed")]]
 
 
-def comparison_rows(rows: Sequence[TextRow], worlds: Mapping[str, str]) -> List[Dict[str, Any]]:
+def comparison_rows(
+    rows: Sequence[TextRow], worlds: Mapping[str, str], metrics: Collection[str] = SUMMARISED
+) -> List[Dict[str, Any]]:
     """A row for each two controllers and each metric, by world and parameters.
 
     Args:
         rows: of results.csv.
         worlds: see `runs_of`.
+        metrics: names in SUMMARISED; the p-values are adjusted for these.
 
     Raises:
         MissingPackageError: SciPy is missing.
@@ -167,7 +170,7 @@ def comparison_rows(rows: Sequence[TextRow], worlds: Mapping[str, str]) -> List[
     found: List[Dict[str, Any]] = []
     for group, controllers in runs_of(rows, worlds).items():
         for first, second in combinations(controllers, 2):
-            for name in SUMMARISED:
+            for name in metrics:
                 result = compare(controllers[first], controllers[second], name)
                 columns = {"controller": first, "against": second, "metric": name}
                 if result.pairs:

@@ -16,12 +16,14 @@ class Metric(NamedTuple):
     Attributes:
         label: as in tables and figures, with its unit.
         better: 1 if larger values are better, -1 if smaller ones are, 0 if neither.
+        most: the largest value that there can be; the least one is 0. Intervals end there.
         is_rate: whether each run has true or false.
         is_gated: whether a change for the worse is a regression.
     """
 
     label: str
     better: int
+    most: float = math.inf
     is_rate: bool = False
     is_gated: bool = False
 
@@ -30,17 +32,19 @@ SUMMARISED: Dict[str, Metric] = {
     "success": Metric("success", 1, is_rate=True, is_gated=True),
     "collision": Metric("collision", -1, is_rate=True, is_gated=True),
     "person_collision": Metric("collision with a person", -1, is_rate=True),
+    "robot_at_fault": Metric("collision with a person by the robot's fault", -1, is_rate=True),
+    "success_unless_hit": Metric("success unless a person walks into it", 1, is_rate=True),
     "timed_out": Metric("time-out", -1, is_rate=True),
     "time_to_goal": Metric("time to goal [s]", -1, is_gated=True),
     "path_to_goal": Metric("path to goal [m]", -1),
-    "spl": Metric("SPL", 1),
-    "barn_score": Metric("BARN score", 1),
+    "spl": Metric("SPL", 1, 1.0),
+    "barn_score": Metric("BARN score", 1, 0.5),
     "min_clearance": Metric("least clearance [m]", 1),
     "people_distance": Metric("least distance from people [m]", 1),
     "mean_people_distance": Metric("mean distance from people [m]", 1),
-    "intimate_time": Metric("time in intimate space [s]", -1),
-    "personal_time": Metric("time in personal space [s]", -1),
-    "social_time": Metric("time in social space [s]", 0),
+    "intimate_fraction": Metric("fraction of time in intimate space", -1, 1.0),
+    "personal_fraction": Metric("fraction of time in personal space", -1, 1.0),
+    "social_fraction": Metric("fraction of time in social space", 0, 1.0),
     "stalled_time": Metric("stalled time [s]", -1),
     "heading_change": Metric("heading change [rad]", -1),
     "mean_jerk": Metric("mean jerk [m/s³]", -1),

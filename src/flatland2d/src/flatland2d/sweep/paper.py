@@ -2,9 +2,10 @@
 
 import io
 import textwrap
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Collection, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 from flatland2d.sweep.metrics import SUMMARISED, Metric
+from flatland2d.sweep.run import ESTIMATE_ENDS
 from flatland_server.exceptions import MissingPackageError
 
 _LATEX = {
@@ -31,6 +32,13 @@ Summary = Sequence[Mapping[str, Any]]
 """See `summary_rows`."""
 
 
+def with_metrics(summary: Summary, metrics: Collection[str]) -> Summary:
+    """The summary without the other metrics of SUMMARISED."""
+    others = set(SUMMARISED).difference(metrics)
+    left_out = {f"{name}{end}" for name in others for end in ("", *ESTIMATE_ENDS)}
+    return [{k: value for k, value in row.items() if k not in left_out} for row in summary]
+
+
 def markdown_table(summary: Summary) -> str:
     """The summary as a table in Markdown: a row for each world and metric."""
     heads = ["world", "metric", *_controllers(summary)]
@@ -50,7 +58,7 @@ def latex_table(summary: Summary) -> str:
     controllers = _controllers(summary)
     lines = [
         "% Intervals of 95 % confidence: Wilson's score interval for rates, Student's for means.",
-        "% Times and paths to the goal are those of the runs that have reached it.",
+        "% Times and paths to the goal, and fractions, are those of the runs that have reached it.",
         f"\\begin{{tabular}}{{l{'r' * len(controllers)}}}",
         "\\toprule",
         _latex_row(["", *controllers]),
@@ -68,7 +76,8 @@ def latex_table(summary: Summary) -> str:
 def figure(summary: Summary) -> bytes:
     """The metrics of each controller with their confidence intervals, as PDF.
 
-    A panel for each metric that has values, from 0; a color for each world with its parameters.
+    A panel for each metric that has values other than 0, from 0; a color for each world with its
+    parameters.
 
     Raises:
         MissingPackageError: matplotlib is missing.
@@ -81,7 +90,7 @@ def figure(summary: Summary) -> bytes:
             "the figure needs matplotlib: apt-get install python3-matplotlib, or pip install "
             f"'flatland2d[sweep]' ({str(error).splitlines()[0]})"
         ) from None
-    metrics = [name for name in SUMMARISED if any(row[name] is not None for row in summary)]
+    metrics = [name for name in SUMMARISED if any(row.get(name) for row in summary)]
     groups, controllers = _groups(summary), _controllers(summary)
     columns = min(_PANELS_IN_ROW, max(1, len(metrics)))
     rows = max(1, -(-len(metrics) // columns))

@@ -1,11 +1,11 @@
-"""Distances of a robot from people, and the time in their zones.
+"""Distances of a robot from people, collisions with them, and the time in their zones.
 
 The zones are those of E. T. Hall, "The Hidden Dimension" (1966): intimate up to 0.45 m, personal up
 to 1.2 m, social up to 3.6 m. As for clearances, a distance is that between the outlines: from the
 robot's footprints to the circle around a person.
 """
 
-from typing import Any, Dict, List, Set, Tuple
+from typing import Any, Dict, List, Mapping, Tuple
 
 import numpy as np
 
@@ -15,8 +15,13 @@ from flatland_server.models.footprint import Circle
 from flatland_server.models.model import Model
 from flatland_server.simulation.world import World
 
-ZONES = {"intimate_time": 0.45, "personal_time": 1.2, "social_time": 3.6}
+ZONES = {"intimate_fraction": 0.45, "personal_fraction": 1.2, "social_fraction": 3.6}
 """The outer end of each zone [m]."""
+
+
+_STANDING = 0.05  # m/s
+
+Twist = Tuple[float, float, float]
 
 
 def people_of(world: World) -> List[Model]:
@@ -42,7 +47,37 @@ class PeopleMetrics:
         self._robot = robot
         self._distances: List[float] = []
         self._durations: List[float] = []
-        self._names: Set[str] = set()
+        self._is_crowded = bool(people_of(world))
+        self._collision: Dict[str, Any] = {"person_collision": False, "robot_at_fault": False}
+
+    def velocities(self) -> Dict[str, Twist]:
+        """Velocities of the robot and the people [m/s, m/s, rad/s], by name; none without people.
+
+        Of the origins of their first bodies.
+        """
+        if not self._is_crowded:
+            return {}
+        models = (self._robot, *people_of(self._world))
+        return {model.name: model.base.physics_body.velocity for model in models}
+
+    def note_collision(self, other: str, velocities: Mapping[str, Twist]) -> None:
+        """Notes the first collision of the robot.
+
+        Args:
+            other: the model or layer that it has hit.
+            velocities: before the step of the collision.
+        """
+        if other not in velocities:
+            return
+        speeds = [np.array(velocities[name][:2]) for name in (self._robot.name, other)]
+        way = np.subtract(self._world.models[other].pose[:2], self._robot.pose[:2])
+        towards = float(speeds[0] @ way) / max(float(np.hypot(*way)), 1e-9)
+        self._collision = {
+            "person_collision": True,
+            "robot_at_fault": towards > _STANDING,
+            "robot_speed_at_contact": float(np.hypot(*speeds[0])),
+            "person_speed_at_contact": float(np.hypot(*speeds[1])),
+        }
 
     def measure(self, duration: float) -> None:
         """Measures after a control step; nothing without people.
@@ -52,7 +87,6 @@ class PeopleMetrics:
         """
         people = people_of(self._world)
         if people:
-            self._names.update(person.name for person in people)
             edges, radii = _outlines(self._robot)
             places = np.array([person.pose[:2] for person in people])
             away = np.sqrt((from_segments(places, edges) ** 2).sum(axis=2)) - radii
@@ -60,29 +94,29 @@ class PeopleMetrics:
             self._distances.append(max(0.0, float(distances.min())))
             self._durations.append(duration)
 
-    def values(self, hit: str) -> Dict[str, Any]:
+    def values(self) -> Dict[str, Any]:
         """The metrics so far, by their names; none without people.
 
         - `person_collision`: whether a person was hit first.
+        - `robot_at_fault`: whether that was so, and the robot moved towards the person.
+        - `robot_speed_at_contact`, `person_speed_at_contact`: before that collision [m/s].
         - `people_distance`: the least distance from the nearest person [m].
         - `mean_people_distance`: the mean over control steps, by their durations [m].
-        - `intimate_time`, `personal_time`, `social_time`: in which the nearest person was at that
-          distance [s].
-
-        Args:
-            hit: the model or layer that the robot has hit first; "" without a collision.
+        - `intimate_fraction`, `personal_fraction`, `social_fraction`: of the time, in which the
+          nearest person was at that distance.
         """
         if not self._distances:
             return {}
         distances, durations = np.array(self._distances), np.array(self._durations)
         found: Dict[str, Any] = {
-            "person_collision": hit in self._names,
+            **self._collision,
             "people_distance": float(distances.min()),
             "mean_people_distance": float(np.average(distances, weights=durations)),
         }
         nearer = 0.0
         for name, end in ZONES.items():
-            found[name] = float(durations[(distances >= nearer) & (distances < end)].sum())
+            inside = durations[(distances >= nearer) & (distances < end)]
+            found[name] = float(inside.sum() / durations.sum())
             nearer = end
         return found
 

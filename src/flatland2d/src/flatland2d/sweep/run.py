@@ -8,7 +8,7 @@ import numpy as np
 from flatland2d.handles import ModelHandle
 from flatland2d.simulation import Simulation
 from flatland2d.sweep.metrics import barn_score, motion_metrics
-from flatland2d.sweep.people import PeopleMetrics
+from flatland2d.sweep.people import ZONES, PeopleMetrics, Twist
 from flatland2d.sweep.settings import SweepSettings, Task
 from flatland2d.touch import Touch
 from flatland_navigation.score import GoalScore, spl
@@ -30,6 +30,10 @@ METRICS = (
     "collision_with",
     "contacts",
     "person_collision",
+    "robot_at_fault",
+    "success_unless_hit",
+    "robot_speed_at_contact",
+    "person_speed_at_contact",
     "timed_out",
     "time",
     "time_to_goal",
@@ -41,9 +45,9 @@ METRICS = (
     "min_clearance",
     "people_distance",
     "mean_people_distance",
-    "intimate_time",
-    "personal_time",
-    "social_time",
+    "intimate_fraction",
+    "personal_fraction",
+    "social_fraction",
     "stalled_time",
     "heading_change",
     "mean_jerk",
@@ -220,8 +224,9 @@ class SweepRun:
         if duration is None:
             duration = self._settings.control_period
         for _ in range(steps_in(duration, self.simulation.step_size, "the duration")):
+            before = self._people.velocities() if self._robot is not None else {}
             self.simulation.step()
-            self._measure()
+            self._measure(before)
             for observer in self._observers:
                 observer.on_step(self)
             if self.outcome:
@@ -263,11 +268,15 @@ class SweepRun:
         found.update({name: score[name] for name in SCORED})
         if self._drive is None:
             found["speed_change"] = found["turn_change"] = None
-        found.update(self._people.values(self._collided_with))
+        found.update(self._people.values())
         if math.isfinite(self._clearance):
             found["min_clearance"] = self._clearance
         if self.goal is not None:
             found["success"] = self._has_arrived
+            if not self._has_arrived:  # a run that a collision ends early is not good at these
+                found.update(dict.fromkeys(ZONES))
+            if not found["person_collision"] or found["robot_at_fault"]:
+                found["success_unless_hit"] = self._has_arrived
             found["timed_out"] = self.outcome == "time limit"
             found["goal_distance"] = math.dist(self._place, self.goal)
             if self._has_arrived:
@@ -280,8 +289,8 @@ class SweepRun:
                     found["barn_score"] = barn_score(*done, now, self._top_speed)
         return found
 
-    def _measure(self) -> None:
-        """Updates the metrics after a step."""
+    def _measure(self, before: Mapping[str, Twist]) -> None:
+        """Updates the metrics after a step; `before` are velocities before it, for collisions."""
         self._steps += 1
         if self._robot is not None:
             x, y, _ = self._body.pose
@@ -289,7 +298,7 @@ class SweepRun:
             self._place = (x, y)
             contacts = self.simulation.contacts
             if contacts or self._touched:
-                self._note_contacts(contacts, self._robot.name)
+                self._note_contacts(contacts, self._robot.name, before)
             goal = None if self._collided_with else self.goal
             if goal is not None and math.dist(self._place, goal) < self.goal_radius:
                 self._has_arrived = True
@@ -297,7 +306,9 @@ class SweepRun:
         if not self.outcome and self._steps >= self._limit:
             self.outcome = "time limit"
 
-    def _note_contacts(self, contacts: List[Touch], robot: str) -> None:
+    def _note_contacts(
+        self, contacts: List[Touch], robot: str, before: Mapping[str, Twist]
+    ) -> None:
         """Scores the robot's contacts with bodies that are solid and not its own."""
         touched = []
         for touch in contacts:
@@ -309,10 +320,12 @@ class SweepRun:
         self._touched = bool(touched)
         self._score.add_contacts(set(touched))
         if touched:
-            self._collide(touched[0][0])
+            self._collide(touched[0][0], before)
 
-    def _collide(self, other: str) -> None:
-        self._collided_with = self._collided_with or other
+    def _collide(self, other: str, before: Mapping[str, Twist]) -> None:
+        if not self._collided_with:
+            self._collided_with = other
+            self._people.note_collision(other, before)
         self._clearance = 0.0
         if self._settings.collision_ends:
             self.outcome = "collision"

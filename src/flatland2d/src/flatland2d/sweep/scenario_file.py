@@ -1,5 +1,7 @@
 """Reads scenario files; docs/sweeps.md describes them."""
 
+from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, TypeVar
 
@@ -8,11 +10,15 @@ from flatland2d.sweep.parameters import combinations, count_combinations, world_
 from flatland2d.sweep.settings import RANDOM, Controller, SweepSettings, SweepWorld, Task
 from flatland_server.arguments import steps_in
 from flatland_server.config.input_files import is_file
+from flatland_server.config.shipped_worlds import SCENE_GOALS
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import FlatlandError, UsageError, YamlError, shortened
 from flatland_server.timekeeper import Timekeeper
 
 MAX_SCENARIOS = 10_000_000
+
+_TO_GOALS = (POLICY_DRIVER, "flatland2d.sweep.drivers:gaps", "flatland2d.sweep.orca:orca")
+"""Controllers that are nothing without a goal."""
 
 _Named = TypeVar("_Named", SweepWorld, Controller)
 
@@ -46,6 +52,13 @@ def read_scenario_file(path: Path) -> SweepSettings:
     count = len(settings.worlds) * len(settings.controllers) * len(settings.parameters)
     if count * len(settings.seeds) > MAX_SCENARIOS:
         reader.problem(f"expected at most {MAX_SCENARIOS} scenarios, found more")
+    for world, controller in product(settings.worlds, settings.controllers):
+        if world.task.goal is None and controller.target in _TO_GOALS:
+            reader.problem(
+                f'expected a goal in world "{shortened(world.name)}", to which the controller '
+                f'"{shortened(controller.name)}" drives, found none',
+                "worlds",
+            )
     reader.finish()
     return settings
 
@@ -102,7 +115,7 @@ def _worlds(reader: YamlReader, task: Task, group: str) -> Tuple[SweepWorld, ...
             name = entry.get_string("name", _short_name(source))
             _check_world(entry, "world", source)
             of = entry.get_string("group", group)
-            world = SweepWorld(name, source, _task(entry, task), of)
+            world = _world(name, source, _task(entry, task), of)
             entry.finish()
             return world
 
@@ -112,7 +125,14 @@ def _worlds(reader: YamlReader, task: Task, group: str) -> Tuple[SweepWorld, ...
     sources = reader.get_strings("worlds")
     for source in sources:
         _check_world(reader, "worlds", source)
-    return _named(reader, "worlds", [SweepWorld(_short_name(s), s, task, group) for s in sources])
+    return _named(reader, "worlds", [_world(_short_name(s), s, task, group) for s in sources])
+
+
+def _world(name: str, source: str, task: Task, group: str) -> SweepWorld:
+    """A world; a shipped scene has its goal, unless the file gives another one."""
+    if task.goal is None:
+        task = replace(task, goal=SCENE_GOALS.get(source))
+    return SweepWorld(name, source, task, group)
 
 
 def _short_name(source: str) -> str:

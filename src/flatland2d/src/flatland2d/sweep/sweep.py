@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import (
     Any,
     Callable,
+    Collection,
     Dict,
     Iterable,
     Iterator,
@@ -24,7 +25,8 @@ from typing import (
 from flatland2d.sweep.comparison import comparison_rows
 from flatland2d.sweep.fingerprints import Fingerprints
 from flatland2d.sweep.local_pool import Done
-from flatland2d.sweep.paper import figure, latex_table, markdown_table
+from flatland2d.sweep.metrics import SUMMARISED
+from flatland2d.sweep.paper import figure, latex_table, markdown_table, with_metrics
 from flatland2d.sweep.regressions import read_rows
 from flatland2d.sweep.report import draw, report_html, unsuccessful
 from flatland2d.sweep.runner import Result, ScenarioRunner
@@ -143,12 +145,14 @@ class Sweep:
             self._journal.add(self._fingerprints[done.scenario.number], entry)
             yield result
 
-    def write(self, pool: Pool, pictures: int) -> Written:
+    def write(self, pool: Pool, pictures: int, metrics: Collection[str] = SUMMARISED) -> Written:
         """Writes the tables, the summary and the report of all scenarios, which must be done.
 
         Args:
             pool: draws the pictures.
             pictures: how many runs without success are drawn, at most.
+            metrics: names in SUMMARISED, those of comparisons and of the tables and the figure for
+                papers.
 
         Raises:
             FlatlandError: a file cannot be written.
@@ -156,27 +160,30 @@ class Sweep:
         results = [(each, self._journal.entries[key]) for each, key in self._keys()]
         rows = rows_of(results)
         summary = summary_rows(results)
+        chosen = with_metrics(summary, metrics)
         table = table_of(rows)
         write_file(self.folder / "results.csv", csv_bytes(table))
         write_file(self.folder / "summary.csv", csv_bytes(table_of(summary)))
         write_file(self.folder / "timing.csv", csv_bytes(timing_table(results)))
         problems = [
             self._write_if_possible("results.parquet", lambda: parquet(table)),
-            self._write_if_possible("summary.pdf", lambda: figure(summary)),
+            self._write_if_possible("summary.pdf", lambda: figure(chosen)),
         ]
         if len(self.settings.controllers) > 1:
-            problems.append(self._write_if_possible("comparisons.csv", self._comparisons))
-        write_file(self.folder / "summary.md", markdown_table(summary).encode())
-        write_file(self.folder / "summary.tex", latex_table(summary).encode())
-        chosen = _evenly([row["scenario"] for row in unsuccessful(rows)], pictures)
-        to_draw = [self.scenarios[number - 1] for number in chosen]
+            problems.append(
+                self._write_if_possible("comparisons.csv", lambda: self._comparisons(metrics))
+            )
+        write_file(self.folder / "summary.md", markdown_table(chosen).encode())
+        write_file(self.folder / "summary.tex", latex_table(chosen).encode())
+        numbers = _evenly([row["scenario"] for row in unsuccessful(rows)], pictures)
+        to_draw = [self.scenarios[number - 1] for number in numbers]
         drawn = {done.scenario.number: done.answer or b"" for done in pool.map(draw, to_draw)}
         document = report_html(
             self.settings.file.name,
             f"flatland sweep {shlex.quote(self.settings.file.name)} --replay",
             summary,
             rows,
-            [(rows[number - 1], drawn[number]) for number in chosen if drawn[number]],
+            [(rows[number - 1], drawn[number]) for number in numbers if drawn[number]],
         )
         write_file(self.folder / "report.html", document.encode("utf-8", "backslashreplace"))
         failed = [row for row in rows if row["status"] == "failed"]
@@ -184,8 +191,8 @@ class Sweep:
         example = max(failed, key=lambda row: reasons[row["error"]], default={})
         return Written(summary, len(failed), example, list(filter(None, problems)))
 
-    def _comparisons(self) -> bytes:
-        return csv_bytes(table_of(comparison_rows(read_rows(self.folder), self.groups)))
+    def _comparisons(self, metrics: Collection[str]) -> bytes:
+        return csv_bytes(table_of(comparison_rows(read_rows(self.folder), self.groups, metrics)))
 
     def _write_if_possible(self, name: str, content: Callable[[], bytes]) -> str:
         """Writes a file that needs a package. Returns why it is not there; empty if it is.

@@ -87,7 +87,7 @@ def summary_rows(results: Results) -> List[Dict[str, Any]]:
 
     `scenarios`, and of these `failed`: could not be run to the end; they are left out of the rates
     and means. For each of these three columns: the rate or mean, and `_low` and `_high`, the ends
-    of its confidence interval; for means also `_count`.
+    of its confidence interval, within the metric's range; for means also `_count`.
     """
     groups: Dict[str, List[Tuple[Scenario, Entry]]] = {}
     for scenario, entry in results:
@@ -121,9 +121,12 @@ def _estimate(name: str, values: List[Any]) -> Dict[str, Any]:
         interval = rate(sum(values), len(values))
     else:
         interval = mean([float(value) for value in values])
+        if name in SUMMARISED:
+            low, high = max(interval.low, 0.0), min(interval.high, SUMMARISED[name].most)
+            interval = interval._replace(low=low, high=high)
     shown = [None if number != number else number for number in interval]
-    low, high, count = (f"{name}{end}" for end in ESTIMATE_ENDS)
-    found = dict(zip((name, low, high), shown))
+    *ends, count = (f"{name}{end}" for end in ESTIMATE_ENDS)
+    found = dict(zip((name, *ends), shown))
     is_of_all = name in SUMMARISED and SUMMARISED[name].is_rate
     return found if is_of_all else {**found, count: len(values)}
 

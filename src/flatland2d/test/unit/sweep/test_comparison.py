@@ -119,6 +119,18 @@ def test_two_controllers_are_compared_in_each_world():
     assert ("hall", "success", 1) in found
 
 
+def test_p_values_are_adjusted_for_the_metrics_that_were_chosen():
+    seconds = [float(k) for k in range(1, 9)]
+    table = [*rows("a", seconds), *rows("b", [2.0 * each for each in seconds])]
+
+    def p_of(*metrics):
+        found = {row["metric"]: row["p"] for row in comparison_rows(table, {}, metrics)}
+        assert set(found) == set(metrics)
+        return found["time_to_goal"]
+
+    assert p_of("success", "time_to_goal") == pytest.approx(2.0 * p_of("time_to_goal"))
+
+
 def test_worlds_of_a_group_are_compared_as_one():
     table = [row for world in "xyz" for name in "ab" for row in rows(name, [1.0], world=world)]
 

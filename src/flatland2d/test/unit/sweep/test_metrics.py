@@ -133,6 +133,55 @@ plugins:
 """
 
 
+MEETING = """
+plugins:
+  - type: Crowd
+    name: people
+    sees_robots: false
+    force: {noise: 0}
+    pedestrians: [{pose: [0, -2, 3.14], goals: [GOAL], radius: 0.25, speed: 1}]
+"""
+
+
+@pytest.mark.parametrize(
+    ("goal", "speed", "fault", "speeds"),
+    [
+        ("[-4, -2]", 0.0, False, (0.0, 1.0)),  # the robot stands
+        ("[-4, -2]", 0.5, True, (0.5, 0.8)),  # towards each other
+        ("[0, -2]", 0.5, True, (0.5, 0.0)),  # the person stands
+        ("[-4, -2]", -0.5, False, (0.5, 1.0)),  # the robot drives away, too slowly
+        (None, 0.0, None, (None, None)),
+    ],
+)
+def test_who_has_walked_into_whom(folder, settings_of, goal, speed, fault, speeds):
+    if goal:
+        with (folder / "world.yaml").open("a") as world:
+            world.write(MEETING.replace("GOAL", goal))
+    controllers = f'[{{name: a, call: "drivers.py:ahead", arguments: {{speed: {speed}}}}}]'
+    keys = {"start": "[-1.2, -2, 0]", "goal": "[3, 3]", "time_limit": 9.0}
+
+    row = result_of(settings_of(controllers=controllers, **keys))
+
+    assert row["person_collision"] == (None if goal is None else True)
+    assert row["robot_at_fault"] == fault
+    assert row["success_unless_hit"] == (None if fault is False else False)
+    found = row["robot_speed_at_contact"], row["person_speed_at_contact"]
+    assert found == tuple(each if each is None else pytest.approx(each, abs=0.2) for each in speeds)
+
+
+def test_a_run_that_ends_before_its_goal_has_no_times_in_zones(folder, settings_of):
+    with (folder / "world.yaml").open("a") as world:
+        world.write(CROWD)
+    keys = {"start": "[-3, 0, 0]", "time_limit": 8.0}
+
+    arrived = result_of(settings_of(controllers=AHEAD, goal="[-1, 0]", **keys))
+    passed = result_of(settings_of(controllers=AHEAD, goal="[2, 2]", **keys))
+
+    assert arrived["personal_fraction"] + arrived["social_fraction"] == pytest.approx(1.0)
+    assert passed["personal_fraction"] is passed["social_fraction"] is None
+    assert passed["people_distance"] is not None
+
+
 def test_distances_from_people_and_the_time_in_their_zones(folder, settings_of):
     with (folder / "world.yaml").open("a") as world:
         world.write(CROWD)
@@ -144,9 +193,9 @@ def test_distances_from_people_and_the_time_in_their_zones(folder, settings_of):
     distances = np.hypot(ahead, 1.0) - 0.2 - 0.25  # less the radii of the robot and the person
     assert row["people_distance"] == pytest.approx(0.55, abs=0.005)
     assert row["mean_people_distance"] == pytest.approx(distances.mean(), abs=0.01)
-    assert row["intimate_time"] == 0.0
-    assert row["personal_time"] == pytest.approx(0.05 * (distances < 1.2).sum(), abs=0.11)
-    assert row["social_time"] == pytest.approx(0.05 * (distances >= 1.2).sum(), abs=0.11)
+    assert row["intimate_fraction"] == 0.0
+    assert row["personal_fraction"] == pytest.approx((distances < 1.2).mean(), abs=0.02)
+    assert row["social_fraction"] == pytest.approx((distances >= 1.2).mean(), abs=0.02)
 
 
 @pytest.mark.parametrize(("y", "hit"), [(0.0, "people_0"), (2.0, "box")])
@@ -174,4 +223,4 @@ def test_without_people_there_are_no_distances_from_them(settings_of):
     row = result_of(settings_of(controllers=AHEAD, start="[0, 0, 0]", goal=None, time_limit=1))
 
     assert row["people_distance"] is None
-    assert row["personal_time"] is None
+    assert row["personal_fraction"] is None

@@ -70,6 +70,22 @@ def test_a_world_has_a_task_of_its_own_or_that_of_the_file(settings_of):
     assert (b.start, b.goal, b.goal_distance) == (Pose(0, 0, 1), (1.0, 2.0), (1.0, 3.0))
 
 
+def test_a_shipped_scene_has_its_goal_unless_the_file_gives_another_one(settings_of):
+    scenes = "[crossing, {name: other, world: circle_crossing, goal: [1, 2]}, office]"
+    of_the_file = settings_of(worlds="[crossing]").worlds[0].task.goal
+    settings = settings_of(worlds=scenes, goal=None)
+
+    assert [world.task.goal for world in settings.worlds] == [(5.0, 0.0), (1.0, 2.0), None]
+    assert of_the_file == "random"
+
+
+@pytest.mark.parametrize("call", ["drivers:gaps", "orca:orca"])
+def test_a_controller_that_drives_to_goals_is_refused_without_one(settings_of, call):
+    controllers = f'[{{name: gaps, call: "flatland2d.sweep.{call}"}}]'
+    with pytest.raises(YamlError, match='goal in world "office", to which the controller "gaps"'):
+        settings_of(worlds="[office, crossing]", goal=None, controllers=controllers)
+
+
 def test_expressions_and_includes_are_resolved(folder, settings_of):
     (folder / "seeds.yaml").write_text("[4, 5]")
     settings = settings_of(seeds="$include seeds.yaml", time_limit="$eval 2 * 3")

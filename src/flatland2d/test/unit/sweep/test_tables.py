@@ -8,9 +8,12 @@ from contextlib import closing
 import pytest
 
 from flatland2d.sweep.intervals import mean, rate, t_quantile
+from flatland2d.sweep.metrics import SUMMARISED
+from flatland2d.sweep.paper import figure, markdown_table, with_metrics
 from flatland2d.sweep.runner import Result
+from flatland2d.sweep.settings import scenarios_of
 from flatland2d.sweep.sweep import Journal, read_entries
-from flatland2d.sweep.tables import Entry, column, csv_bytes, table_of
+from flatland2d.sweep.tables import Entry, column, csv_bytes, summary_rows, table_of
 from flatland_server.exceptions import FlatlandError
 
 
@@ -71,6 +74,42 @@ def test_what_csv_says_can_be_read_back():
     assert float(first["a"]) == 0.1 + 0.2
     assert float(second["a"]) == math.inf
     assert (first["b"], first["c"], first["d"]) == ("true", "", 'x, "y"')
+
+
+def test_intervals_end_where_the_range_of_a_metric_does(settings_of):
+    [scenario, *_] = scenarios_of(settings_of())
+    rows = [{"spl": 0.0, "min_clearance": 0.01}, {"spl": 1.0, "min_clearance": 0.5}]
+    results = [
+        (scenario, Entry(Result({**row, "jerk": 0.0}, {"n": 9.0 * k}), 1.0, 1))
+        for k, row in enumerate(rows)
+    ]
+
+    [row] = summary_rows(results)
+
+    assert (row["spl_low"], row["spl_high"], row["spl_count"]) == (0.0, 1.0, 2)
+    assert row["min_clearance_low"] == 0.0
+    assert row["min_clearance_high"] > 3.0
+    assert row["n_low"] < -50.0  # a controller's number may be negative
+
+
+def test_a_table_for_a_paper_has_the_metrics_that_were_chosen(settings_of):
+    [scenario, *_] = scenarios_of(settings_of())
+    entry = Entry(Result({"spl": 0.5, "success": True}, {"n": 1}), 1.0, 1)
+
+    table = markdown_table(with_metrics(summary_rows([(scenario, entry)]), ["spl"]))
+
+    assert [line.split(" | ")[1] for line in table.splitlines()[2:]] == ["runs", "SPL ↑", "n"]
+
+
+def test_a_metric_that_is_always_zero_has_no_panel():
+    pytest.importorskip("matplotlib")
+    row = {name: None for each in SUMMARISED for name in (each, f"{each}_low", f"{each}_high")}
+    row = {"world": "a", "controller": "b", "scenarios": 2, "failed": 0, **row, "spl": 0.5}
+
+    with_zero = figure([{**row, "stalled_time": 0.0, "intimate_fraction": 0.0}])
+
+    assert with_zero == figure([row])
+    assert with_zero != figure([{**row, "stalled_time": 1.0}])
 
 
 ENTRY = Entry(Result({"time": 0.1 + 0.2, "goal_x": math.nan}, {"n": 1}), 1.5, 1)

@@ -11,6 +11,8 @@ using Array = py::array_t<T, py::array::c_style>;
 
 using Forces = std::tuple<double, double, double, double, double, double>;
 
+using Attention = std::tuple<bool, double, double, double>;
+
 using OrcaNumbers = std::tuple<double, double, double, int>;
 
 OrcaSettings ToOrca(const OrcaNumbers& numbers) {
@@ -31,8 +33,9 @@ PyCrowd AddCrowd(PyWorld& self, uint64_t key, LayerBits layers, double period, d
 
 void AddPerson(PyCrowd& self, const PyBody& body, const std::vector<Pair>& goals, double radius,
                double speed, const std::vector<PyBody>& legs, const std::optional<PyBody>& circle,
-               double leg_offset, double walk_ratio, const Pair& leg_radii, const Triple& attention,
-               int group, const std::optional<std::pair<Pair, Pair>>& area, bool stands) {
+               double leg_offset, double walk_ratio, const Pair& leg_radii,
+               const Attention& attention, int group,
+               const std::optional<std::pair<Pair, Pair>>& area, bool stands) {
   PersonSettings person;
   person.body = body.handle;
   for (const PyBody& leg : legs) person.legs.push_back(leg.handle);
@@ -43,7 +46,8 @@ void AddPerson(PyCrowd& self, const PyBody& body, const std::vector<Pair>& goals
   person.leg_offset = leg_offset;
   person.walk_ratio = walk_ratio;
   std::tie(person.leg_radius, person.swing_radius) = leg_radii;
-  std::tie(person.yields, person.reaction_time, person.field_of_view) = attention;
+  std::tie(person.sees_robots, person.yields, person.reaction_time, person.field_of_view) =
+      attention;
   person.group = group;
   if (area) person.area = Area{ToVec2(area->first), ToVec2(area->second)};
   person.stands = stands;
@@ -93,7 +97,7 @@ void BindCrowd(py::module_& m) {
            py::arg("radius"), py::arg("speed"), py::arg("legs") = std::vector<PyBody>{},
            py::arg("circle") = py::none(), py::arg("leg_offset") = 0.0, py::arg("walk_ratio") = 0.0,
            py::arg("leg_radii") = Pair{0.0, 0.0},
-           py::arg("attention") = Triple{1.0, 0.0, 2.0 * M_PI}, py::arg("group") = -1,
+           py::arg("attention") = Attention{true, 1.0, 0.0, 2.0 * M_PI}, py::arg("group") = -1,
            py::arg("area") = py::none(), py::arg("stands") = false)
       .def(
           "follow",

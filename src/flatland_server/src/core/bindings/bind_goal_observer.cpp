@@ -1,7 +1,9 @@
-/// GoalObserver in Python: the observations of n robots in one call.
+/// GoalObserver and LinesOfSight in Python: the observations of n robots in one call.
 
-#include "bindings/bindings.hpp"
+#include "base/normal_numbers.hpp"
 #include "batch/goal_observer.hpp"
+#include "bindings/bindings.hpp"
+#include "sight/lines_of_sight.hpp"
 
 namespace flatland {
 namespace {
@@ -32,6 +34,43 @@ Array<float> Observe(const GoalObserver& self, const Array<float>& ranges,
   return result;
 }
 
+LinesOfSight MakeLines(const Array<double>& walls) {
+  if (walls.ndim() != 2 || walls.shape(1) != 4) {
+    throw std::invalid_argument("expected walls (n, 4)");
+  }
+  std::vector<Segment> segments;
+  const double* const ends = walls.data();
+  for (const double* end = ends; end != ends + walls.size(); end += 4) {
+    segments.push_back({{end[0], end[1]}, {end[2], end[3]}});
+  }
+  return LinesOfSight(std::move(segments));
+}
+
+Array<bool> AreBlocked(const LinesOfSight& self, const Array<double>& lines) {
+  if (lines.ndim() != 2 || lines.shape(1) != 4) {
+    throw std::invalid_argument("expected lines (n, 4)");
+  }
+  Array<bool> result(lines.shape(0));
+  const double* end = lines.data();
+  bool *blocked = result.mutable_data(), *const last = blocked + lines.shape(0);
+  const py::gil_scoped_release release;
+  for (; blocked != last; ++blocked, end += 4) {
+    *blocked = self.IsBlocked({{end[0], end[1]}, {end[2], end[3]}});
+  }
+  return result;
+}
+
+Array<double> NormalRows(const Array<uint64_t>& keys, int count) {
+  if (keys.ndim() != 1 || count < 0) throw std::invalid_argument("expected keys (n,)");
+  Array<double> result({keys.shape(0), static_cast<py::ssize_t>(count)});
+  double* number = result.mutable_data();
+  for (py::ssize_t k = 0; k < keys.shape(0); ++k) {
+    NormalNumbers numbers(NormalNumbers::Mixed(keys.data()[k]));
+    for (int i = 0; i < count; ++i) *number++ = numbers.Draw();
+  }
+  return result;
+}
+
 }  // namespace
 
 void BindGoalObserver(py::module_& m) {
@@ -40,6 +79,10 @@ void BindGoalObserver(py::module_& m) {
            py::arg("max_range"), py::arg("velocity_limits"))
       .def("observe", &Observe, py::arg("ranges").noconvert(), py::arg("poses").noconvert(),
            py::arg("velocities").noconvert(), py::arg("goals").noconvert());
+  py::class_<LinesOfSight>(m, "LinesOfSight")
+      .def(py::init(&MakeLines), py::arg("walls"))
+      .def("blocked", &AreBlocked, py::arg("lines"));
+  m.def("normal_rows", &NormalRows, py::arg("keys"), py::arg("count"));
 }
 
 }  // namespace flatland

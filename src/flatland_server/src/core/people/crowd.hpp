@@ -9,7 +9,8 @@
 /// follows an agent of another program; then turns that way, and its legs step.
 ///
 /// Dynamic bodies that are no people are robots. A person may give way to them late, or not at all:
-/// that is decided by chance at the beginning of an encounter, when a robot comes near.
+/// that is decided by chance at the beginning of an encounter, when a robot comes near. It does not
+/// walk into a robot that stands in its view, unless it sees none at all.
 
 #include <algorithm>
 #include <array>
@@ -55,6 +56,7 @@ struct PersonSettings {
   double walk_ratio = 0.384;           ///< a step's length by the steps per second [m s]
   double leg_radius = 0.0;             ///< of a leg on the floor, as lidars see it [m]
   double swing_radius = 0.0;           ///< in the middle of its swing; if equal, radii stay [m]
+  bool sees_robots = true;             ///< false: it takes no notice of them
   double yields = 1.0;                 ///< probability that it gives way in an encounter
   double reaction_time = 0.0;          ///< from seeing a robot to giving way [s]
   double field_of_view = 2.0 * M_PI;   ///< in which it sees people and robots [rad]
@@ -184,6 +186,8 @@ class Crowd {
   /// True if something in this direction, of length 1, is in a person's field of view.
   bool Sees(size_t person, Vec2 direction) const;
   Obstacle SeenOther(size_t person, size_t other) const;
+  /// True unless it is a robot that a person, if it is in view, does not avoid.
+  bool Heeds(size_t person, size_t other) const;
   /// The forces of all that is around each person.
   void SumForces(const Layers& layers);
   Vec2 GroupForce(size_t person) const;

@@ -21,7 +21,7 @@ constexpr double kOthersRoom = 0.5;
 constexpr double kGaze = 4.0, kAttraction = 3.0, kGroupRepulsion = 1.0;
 constexpr double kVision = M_PI / 2.0;   // on either side [rad]
 constexpr double kGroupGap = 0.3;        // below which members of a group repel each other [m]
-constexpr double kStandingStill = 1e-6;  // [m/s]
+constexpr double kStandingStill = 0.05;  // a robot that is slower stands [m/s]
 
 }  // namespace
 
@@ -123,6 +123,12 @@ Obstacle Crowd::SeenOther(size_t index, size_t other) const {
   return seen;
 }
 
+bool Crowd::Heeds(size_t index, size_t other) const {
+  if (!others_[other].is_robot) return true;
+  if (!people_[index].sees_robots) return false;
+  return gives_way_[index] || LengthOf(motions_of_others_[other].velocity) < kStandingStill;
+}
+
 /// An encounter lasts as long as a robot is near: it begins with the draw, and the reaction time
 /// passes while a robot is seen.
 void Crowd::Meet(double dt) {
@@ -131,7 +137,7 @@ void Crowd::Meet(double dt) {
     const PersonSettings& person = people_[i];
     if (person.yields >= 1.0 && person.reaction_time <= 0.0) continue;
     gives_way_[i] = 0;
-    if (person.yields <= 0.0) continue;
+    if (!person.sees_robots || person.yields <= 0.0) continue;
     bool is_near = false, is_seen = false;
     for (size_t k = 0; k < others_.size(); ++k) {
       if (!others_[k].is_robot) continue;
@@ -184,10 +190,9 @@ void Crowd::SumForces(const Layers& layers) {
       }
     }
     for (size_t k = 0; k < others_.size(); ++k) {
-      const bool is_robot = others_[k].is_robot;
-      if (is_robot && !gives_way_[i]) continue;
+      if (!Heeds(i, k)) continue;
       const Obstacle seen = SeenOther(i, k);
-      if (is_robot && !Sees(i, -1.0 * seen.away)) continue;
+      if (others_[k].is_robot && !Sees(i, -1.0 * seen.away)) continue;
       sum.repulsion = sum.repulsion + force.Repel(seen);
       sum.evasion = sum.evasion + force.Evade(seen, own.velocity - motions_of_others_[k].velocity);
     }
@@ -296,7 +301,7 @@ Vec2 Crowd::OrcaVelocity(size_t index, Vec2 way, Vec2 noise, const Layers& layer
   FindNeighbors(index);
   for (size_t k = 0; k < others_.size(); ++k) {
     const Outline& other = others_[k];
-    if (other.is_robot && !gives_way_[index]) continue;
+    if (!Heeds(index, k)) continue;
     const Obstacle seen = SeenOther(index, k);
     if (seen.gap > orca.distance || (other.is_robot && !Sees(index, -1.0 * seen.away))) continue;
     if (other.body->GetType() == b2_staticBody) {

@@ -11,6 +11,17 @@ from flatland_server.config.file_names import to_path
 from flatland_server.config.input_files import is_file
 from flatland_server.config.packages import folders_beside
 from flatland_server.exceptions import FlatlandError, listed, shortened, suggestion
+from flatland_server.geometry import Point
+
+SCENE_GOALS: Dict[str, Point] = {
+    "corridor_frontal": (6.0, 0.0),
+    "intersection": (6.0, 0.0),
+    "doorway": (4.0, 0.0),
+    "overtaking": (6.0, 0.0),
+    "crossing": (5.0, 0.0),
+    "circle_crossing": (-4.0, 0.0),
+}
+"""The goals [m] of the robots in the shipped scenes, by the worlds' names."""
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _SUFFIXES = (".yaml", ".yml")
