@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "world/world.hpp"
 #include "reference_motion.hpp"
+#include "world/world.hpp"
 
 namespace flatland {
 namespace {

@@ -6,8 +6,8 @@
 #include <functional>
 #include <utility>
 
-#include "world/world.hpp"
 #include "test_bodies.hpp"
+#include "world/world.hpp"
 
 namespace flatland {
 namespace {

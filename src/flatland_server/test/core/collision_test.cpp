@@ -4,8 +4,8 @@
 
 #include <ostream>
 
-#include "world/world.hpp"
 #include "test_bodies.hpp"
+#include "world/world.hpp"
 
 namespace flatland {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <string>
 
+#include "test_contact.hpp"
 #include "world/contact.hpp"
 #include "world/world.hpp"
-#include "test_contact.hpp"
 
 namespace flatland {
 namespace {

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "test_contact.hpp"
 #include "world/contact.hpp"
 #include "world/world.hpp"
-#include "test_contact.hpp"
 
 namespace flatland {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <string>
 
-#include "world/world.hpp"
 #include "test_contact.hpp"
+#include "world/world.hpp"
 
 namespace flatland {
 namespace {

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "sight/beam_fan.hpp"
 #include "reference_walls.hpp"
+#include "sight/beam_fan.hpp"
 
 namespace flatland {
 namespace {

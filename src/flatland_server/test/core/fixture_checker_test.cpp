@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "test_bodies.hpp"
 #include "world/fixture.hpp"
 #include "world/world.hpp"
-#include "test_bodies.hpp"
 
 namespace flatland {
 namespace {

@@ -7,8 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include "world/world.hpp"
 #include "test_bodies.hpp"
+#include "world/world.hpp"
 
 namespace flatland {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "world/world.hpp"
 #include "test_bodies.hpp"
+#include "world/world.hpp"
 
 namespace flatland {
 namespace {

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "world/world.hpp"
 #include "test_bodies.hpp"
+#include "world/world.hpp"
 
 namespace flatland {
 namespace {

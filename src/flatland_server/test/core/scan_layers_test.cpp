@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "world/world.hpp"
 #include "reference_walls.hpp"
 #include "test_scan.hpp"
+#include "world/world.hpp"
 
 namespace flatland {
 namespace {

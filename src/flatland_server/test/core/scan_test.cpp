@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "world/world.hpp"
 #include "reference_walls.hpp"
 #include "test_scan.hpp"
+#include "world/world.hpp"
 
 namespace flatland {
 namespace {

@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
-#include "sight/depth_buffer.hpp"
 #include "reference_walls.hpp"
+#include "sight/depth_buffer.hpp"
 #include "test_rounds.hpp"
 
 namespace flatland {

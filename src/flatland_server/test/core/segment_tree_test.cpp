@@ -10,9 +10,9 @@
 #include <random>
 #include <vector>
 
+#include "reference_walls.hpp"
 #include "sight/beam_fan.hpp"
 #include "sight/depth_buffer.hpp"
-#include "reference_walls.hpp"
 #include "test_rounds.hpp"
 
 namespace flatland {

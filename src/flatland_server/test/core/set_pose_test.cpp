@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "world/world.hpp"
 #include "test_bodies.hpp"
+#include "world/world.hpp"
 
 namespace flatland {
 namespace {

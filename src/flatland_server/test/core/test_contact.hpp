@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "test_bodies.hpp"
 #include "world/contact.hpp"
 #include "world/world.hpp"
-#include "test_bodies.hpp"
 
 namespace flatland {
 

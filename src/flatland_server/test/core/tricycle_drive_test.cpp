@@ -5,8 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include "world/world.hpp"
 #include "reference_motion.hpp"
+#include "world/world.hpp"
 
 namespace flatland {
 namespace {

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "reference_walls.hpp"
 #include "sight/depth_buffer.hpp"
 #include "sight/walls_seen_from.hpp"
-#include "reference_walls.hpp"
 #include "test_rounds.hpp"
 
 namespace flatland {

@@ -7,10 +7,10 @@
 #include <random>
 #include <vector>
 
+#include "reference_walls.hpp"
 #include "sight/beam_fan.hpp"
 #include "sight/depth_buffer.hpp"
 #include "sight/segment_tree.hpp"
-#include "reference_walls.hpp"
 
 namespace flatland {
 namespace {

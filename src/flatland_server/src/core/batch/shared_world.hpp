@@ -21,9 +21,9 @@
 #include <type_traits>
 #include <vector>
 
-#include "world/world.hpp"
-#include "world/nearby_walls.hpp"
 #include "base/prefetch.hpp"
+#include "world/nearby_walls.hpp"
+#include "world/world.hpp"
 #include "world/world_state.hpp"
 
 namespace flatland {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
-#include "bindings/bindings.hpp"
 #include "batch/floor_squares.hpp"
+#include "bindings/bindings.hpp"
 
 namespace flatland {
 namespace {

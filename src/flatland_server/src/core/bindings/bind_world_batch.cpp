@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "bindings/bindings.hpp"
 #include "batch/world_batch.hpp"
+#include "bindings/bindings.hpp"
 
 namespace flatland {
 namespace {

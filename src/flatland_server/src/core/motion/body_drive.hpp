@@ -4,9 +4,9 @@
 
 #include <box2d/box2d.h>
 
+#include "base/geometry.hpp"
 #include "motion/arc_motion.hpp"
 #include "motion/dynamics_limits.hpp"
-#include "base/geometry.hpp"
 
 namespace flatland {
 

@@ -12,8 +12,8 @@
 #include <optional>
 #include <string_view>
 
-#include "motion/easing.hpp"
 #include "base/geometry.hpp"
+#include "motion/easing.hpp"
 
 namespace flatland {
 

@@ -6,9 +6,9 @@
 
 #include <limits>
 
+#include "base/geometry.hpp"
 #include "motion/arc_motion.hpp"
 #include "motion/dynamics_limits.hpp"
-#include "base/geometry.hpp"
 #include "motion/steering.hpp"
 
 namespace flatland {

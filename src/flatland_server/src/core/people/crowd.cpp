@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "base/box2d_limits.hpp"
-#include "world/layers.hpp"
-#include "people/surroundings.hpp"
 #include "base/to_box2d.hpp"
+#include "people/surroundings.hpp"
+#include "world/layers.hpp"
 
 namespace flatland {
 namespace {

@@ -21,11 +21,11 @@
 #include <utility>
 #include <vector>
 
-#include "world/bodies.hpp"
 #include "base/collision_layers.hpp"
 #include "base/normal_numbers.hpp"
 #include "people/orca.hpp"
 #include "people/social_force.hpp"
+#include "world/bodies.hpp"
 
 namespace flatland {
 

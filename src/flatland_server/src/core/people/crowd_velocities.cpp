@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "people/crowd.hpp"
-#include "world/layers.hpp"
 #include "people/surroundings.hpp"
+#include "world/layers.hpp"
 
 namespace flatland {
 namespace {

@@ -7,9 +7,9 @@
 #include <functional>
 #include <vector>
 
-#include "world/bodies.hpp"
 #include "base/collision_layers.hpp"
 #include "people/social_force.hpp"
+#include "world/bodies.hpp"
 #include "world/layers.hpp"
 
 namespace flatland {

@@ -10,8 +10,8 @@
 #include <memory>
 #include <vector>
 
-#include "sight/beam_fan.hpp"
 #include "base/geometry.hpp"
+#include "sight/beam_fan.hpp"
 #include "sight/seen_walls.hpp"
 #include "sight/segment_tree.hpp"
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include "base/geometry.hpp"
+#include "sight/beam_fan.hpp"
 #include "sight/doubles.hpp"
 #include "sight/extent.hpp"
-#include "sight/beam_fan.hpp"
-#include "base/geometry.hpp"
 
 namespace flatland {
 

@@ -4,9 +4,9 @@
 
 #include <array>
 
-#include "sight/doubles.hpp"
-#include "sight/beam_fan.hpp"
 #include "base/geometry.hpp"
+#include "sight/beam_fan.hpp"
+#include "sight/doubles.hpp"
 
 namespace flatland {
 

@@ -9,8 +9,8 @@
 #include <limits>
 #include <vector>
 
-#include "sight/doubles.hpp"
 #include "sight/beam_fan.hpp"
+#include "sight/doubles.hpp"
 
 namespace flatland {
 

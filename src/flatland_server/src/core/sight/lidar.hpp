@@ -6,9 +6,9 @@
 #include <memory>
 #include <vector>
 
-#include "sight/beam_fan.hpp"
 #include "base/collision_layers.hpp"
 #include "base/geometry.hpp"
+#include "sight/beam_fan.hpp"
 #include "sight/seen_walls.hpp"
 
 namespace flatland {

@@ -4,8 +4,8 @@
 
 #include "base/box2d_limits.hpp"
 #include "base/parallel.hpp"
-#include "world/layers.hpp"
 #include "base/to_box2d.hpp"
+#include "world/layers.hpp"
 
 namespace flatland {
 namespace {

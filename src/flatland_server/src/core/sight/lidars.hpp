@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "base/access.hpp"
-#include "sight/beam_fan.hpp"
-#include "world/bodies.hpp"
 #include "base/geometry.hpp"
+#include "sight/beam_fan.hpp"
 #include "sight/lidar.hpp"
-#include "world/mechanisms.hpp"
 #include "sight/visible_fixture.hpp"
+#include "world/bodies.hpp"
+#include "world/mechanisms.hpp"
 
 namespace flatland {
 

@@ -8,8 +8,8 @@
 #include <box2d/box2d.h>
 
 #include "base/collision_layers.hpp"
-#include "sight/depth_buffer.hpp"
 #include "base/geometry.hpp"
+#include "sight/depth_buffer.hpp"
 
 namespace flatland {
 

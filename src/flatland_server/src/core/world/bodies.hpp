@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "world/body.hpp"
 #include "base/slot_map.hpp"
+#include "world/body.hpp"
 
 namespace flatland {
 

@@ -6,8 +6,8 @@
 
 #include <vector>
 
-#include "world/contact.hpp"
 #include "base/geometry.hpp"
+#include "world/contact.hpp"
 
 namespace flatland {
 

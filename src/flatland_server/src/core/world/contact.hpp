@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "world/fixture.hpp"
 #include "base/geometry.hpp"
+#include "world/fixture.hpp"
 
 namespace flatland {
 

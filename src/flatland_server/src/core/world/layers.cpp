@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "world/box2d_internals.hpp"
+#include "base/to_box2d.hpp"
 #include "sight/segment_tree.hpp"
 #include "sight/visible_fixture.hpp"
-#include "base/to_box2d.hpp"
+#include "world/box2d_internals.hpp"
 
 namespace flatland {
 namespace {

@@ -14,10 +14,10 @@
 #include <memory>
 #include <vector>
 
-#include "world/bodies.hpp"
 #include "base/collision_layers.hpp"
 #include "base/geometry.hpp"
 #include "sight/visible_walls.hpp"
+#include "world/bodies.hpp"
 #include "world/nearby_walls.hpp"
 
 namespace flatland {

@@ -2,12 +2,12 @@
 
 /// Mechanisms: drives, tweens, drifts and lidars, which the core moves or reads at every step.
 
-#include "world/bodies.hpp"
+#include "base/slot_map.hpp"
 #include "motion/body_drift.hpp"
 #include "motion/body_drive.hpp"
 #include "motion/body_tween.hpp"
-#include "base/slot_map.hpp"
 #include "motion/tricycle_drive.hpp"
+#include "world/bodies.hpp"
 
 namespace flatland {
 

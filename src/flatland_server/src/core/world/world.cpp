@@ -3,10 +3,10 @@
 
 #include "world/world.hpp"
 
-#include "world/box2d_internals.hpp"
 #include "base/box2d_limits.hpp"
-#include "world/layers.hpp"
 #include "base/to_box2d.hpp"
+#include "world/box2d_internals.hpp"
+#include "world/layers.hpp"
 
 namespace flatland {
 namespace {

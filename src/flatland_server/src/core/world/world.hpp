@@ -26,11 +26,11 @@
 #include <vector>
 
 #include "base/access.hpp"
+#include "people/crowd.hpp"
+#include "sight/lidars.hpp"
 #include "world/bodies.hpp"
 #include "world/contacts.hpp"
-#include "people/crowd.hpp"
 #include "world/joint.hpp"
-#include "sight/lidars.hpp"
 #include "world/mechanisms.hpp"
 
 namespace flatland {

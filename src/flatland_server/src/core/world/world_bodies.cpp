@@ -1,9 +1,9 @@
 /// World: bodies.
 
 #include "base/box2d_limits.hpp"
-#include "world/world.hpp"
-#include "world/layers.hpp"
 #include "base/to_box2d.hpp"
+#include "world/layers.hpp"
+#include "world/world.hpp"
 
 namespace flatland {
 namespace {

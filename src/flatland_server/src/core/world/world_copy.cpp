@@ -2,8 +2,8 @@
 
 #include "world/box2d_copies.hpp"
 #include "world/box2d_internals.hpp"
-#include "world/world.hpp"
 #include "world/layers.hpp"
+#include "world/world.hpp"
 #include "world/world_state.hpp"
 
 namespace flatland {

@@ -1,8 +1,8 @@
 /// World: crowds.
 
 #include "base/box2d_limits.hpp"
-#include "world/world.hpp"
 #include "world/layers.hpp"
+#include "world/world.hpp"
 
 namespace flatland {
 

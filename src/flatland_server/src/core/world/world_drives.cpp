@@ -1,8 +1,8 @@
 /// World: drives, tweens and drifts.
 
 #include "base/box2d_limits.hpp"
-#include "world/world.hpp"
 #include "base/to_box2d.hpp"
+#include "world/world.hpp"
 
 namespace flatland {
 namespace {

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
-#include "world/box2d_internals.hpp"
 #include "base/box2d_limits.hpp"
-#include "world/world.hpp"
-#include "world/layers.hpp"
 #include "base/to_box2d.hpp"
+#include "world/box2d_internals.hpp"
+#include "world/layers.hpp"
+#include "world/world.hpp"
 
 namespace flatland {
 namespace {
