@@ -52,10 +52,19 @@ class NearbyWalls {
   LayerBits layers() const { return layers_; }
   uint32_t owner() const { return owner_; }
 
-  /// Calls `visit(block)` for the blocks with a box that meets another one [m], in ascending order.
+  /// Calls `visit(block)` for the blocks with a wall with a box that meets another one [m], in
+  /// ascending order.
   template <class Visit>
   void ForEachBlockAt(const Box& box, Visit visit) const {
-    walls_->ForEachLeafAt(box, [&](size_t leaf) { visit(static_cast<uint32_t>(leaf)); });
+    walls_->ForEachLeafAt(box, [&](size_t leaf) {
+      bool is_near = false;
+      walls_->ForEachWall(leaf, [&](uint32_t index) {
+        Box wall;
+        wall.Add(walls_->segments()[index]);
+        is_near = is_near || wall.Meets(box);
+      });
+      if (is_near) visit(static_cast<uint32_t>(leaf));
+    });
   }
   bool IsBlock(uint32_t number) const { return number < walls_->leaf_count(); }
   size_t CountWalls(uint32_t block) const;
