@@ -32,6 +32,14 @@ def pytest_configure(config):
             os.environ[variable] = str(Path(os.environ[variable], worker))
 
 
+def pytest_configure_node(node):
+    """Waits until a process is free: execnet gives a task to another thread than the main one, which
+    signals need, while the one before ends.
+    """
+    while node.gateway.remote_status().numexecuting:
+        pass
+
+
 def pytest_collection_finish():
     """Excludes the thousands of collected tests from garbage collection."""
     gc.collect()
