@@ -33,8 +33,10 @@ def pytest_configure(config):
 
 
 def pytest_configure_node(node):
-    """Waits until a process is free: execnet gives a task to another thread than the main one, which
-    signals need, while the one before ends.
+    """Waits until a process is free.
+
+    While a task ends, execnet gives the next one to another thread than the main one, which signals
+    need.
     """
     while node.gateway.remote_status().numexecuting:
         pass
