@@ -39,7 +39,7 @@
 /// beams of a wedge is looked up in a table (Horizon), which is made a few times in a scan.
 /// tree_search.hpp goes through the tree.
 ///
-/// Order: first come the walls that the lidar saw last (SeenWalls). In an office these are 77, and
+/// Order: first come the walls that the lidar saw last (SeenWalls). In an office these are 88, and
 /// next to nothing else is left to draw: 21 nodes and 36 leaves are looked at. Without them the
 /// tree is searched in rings, from near to far. Bodies come last; those with a bounding circle out
 /// of range or hidden are skipped.

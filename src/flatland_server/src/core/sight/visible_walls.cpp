@@ -55,7 +55,7 @@ std::shared_ptr<const VisibleWalls> VisibleWalls::Share(std::vector<Segment> seg
   auto walls = std::make_shared<const VisibleWalls>(std::move(segments), progress);
   const std::lock_guard lock(mutex);
   if (auto other = find(walls->all().segments())) return other;
-  // Drops unused known; this takes no time compared with building a new one.
+  // Drops those that nothing uses; this takes no time compared with building a new one.
   for (auto i = known.begin(); i != known.end();) {
     i = i->second.expired() ? known.erase(i) : std::next(i);
   }
