@@ -87,6 +87,7 @@ class World(metaclass=_Metaclass):
         goal_radius: float,
         forces: tuple[float, float, float, float, float, float],
         orca: tuple[float, float, float, int] | None = None,
+        begin: float = 0.0,
     ) -> Crowd:
         """Adds a crowd without people, which moves them in the steps.
 
@@ -101,6 +102,7 @@ class World(metaclass=_Metaclass):
             orca: moves them by optimal reciprocal collision avoidance instead: time without
                 collisions with people and robots, and with walls [s], the distance up to which
                 people count [m], and how many of them.
+            begin: the time of its people's recordings at time 0 [s].
         """
     def step(self, dt: float) -> None:
         """Advances the simulation by `dt` [s], 1e-9 or more. Releases the GIL.
@@ -1092,6 +1094,9 @@ class Tween(_WithoutConstructor):
 class Crowd(_WithoutConstructor):
     """A handle of a crowd: people who walk between goals, and give way to what is around them."""
 
+    AWAY: float
+    """Those who are away have larger coordinates [m]."""
+
     def add_person(
         self,
         body: Body,
@@ -1108,6 +1113,7 @@ class Crowd(_WithoutConstructor):
         group: int = -1,
         area: tuple[_Pair, _Pair] | None = None,
         stands: bool = False,
+        recording: Sequence[FloatArray] = (),
     ) -> None:
         """Adds a person, on the way to the first goal. It leaves when one of its bodies is removed.
 
@@ -1127,6 +1133,8 @@ class Crowd(_WithoutConstructor):
             group: the people of a group keep together; -1: none.
             area: lower and upper corner of a rectangle in which goals are drawn [m].
             stands: at the place in the area at which `scatter` puts it.
+            recording: walks that it follows instead of going to goals, one after the other: rows of
+                time [s], x and y [m]. Between two of them it is away, at more than `AWAY`.
         """
     def follow(self, person: int, point: _PairLike, velocity: _PairLike) -> None:
         """Lets a person follow an agent from now on, instead of walking to its goals.
@@ -1146,7 +1154,10 @@ class Crowd(_WithoutConstructor):
         Infinite if there is none, or no wall within the reach of the forces.
         """
     def scatter(self) -> None:
-        """Puts people with an area at drawn places in it. One for which none is found stays."""
+        """Puts people with an area at drawn places in it: one for which none is found stays.
+
+        Those with a recording are put where it begins.
+        """
 
 def orca_velocity(
     velocity: _PairLike,

@@ -45,6 +45,7 @@ SUMMARISED: Dict[str, Metric] = {
     "intimate_fraction": Metric("fraction of time in intimate space", -1, 1.0),
     "personal_fraction": Metric("fraction of time in personal space", -1, 1.0),
     "social_fraction": Metric("fraction of time in social space", 0, 1.0),
+    "group_crossing_rate": Metric("fraction of time in a group of people", -1, 1.0),
     "stalled_time": Metric("stalled time [s]", -1),
     "heading_change": Metric("heading change [rad]", -1),
     "mean_jerk": Metric("mean jerk [m/s³]", -1),
