@@ -2,6 +2,7 @@
 
 import io
 import textwrap
+from itertools import zip_longest
 from typing import (
     Any,
     Collection,
@@ -24,6 +25,7 @@ from flatland_server.exceptions import MissingPackageError
 _LATEX = {
     **{each: f"\\{each}" for each in "&%$#_{}"},
     "<": "$<$",
+    "\N{NO-BREAK SPACE}": "~",
     "~": "\\textasciitilde{}",
     "^": "\\textasciicircum{}",
     "\\": "\\textbackslash{}",
@@ -39,6 +41,8 @@ _PANELS_IN_ROW = 4  # as wide as the text of a page with two columns
 _MARKERS = "osD^vP*"
 _LETTERS = 20
 """In a line beside a panel."""
+_NARROW = 16
+"""In a line of a table of LaTeX; beside three controllers in one of two columns."""
 _LOWEST = -0.04
 """Lower end of an axis relative to its upper end: a mark at 0 is whole."""
 _LEVEL = 0.05
@@ -109,6 +113,7 @@ def latex_table(summary: Summary, comparisons: Comparisons = ()) -> str:
     """
     controllers = _controllers(summary)
     lines = [
+        "% Needs booktabs. In a column: \\footnotesize, and \\setlength{\\tabcolsep}{4pt}.",
         "% Intervals of 95 % confidence: Wilson's score interval for rates, Student's for means.",
         "% Times and paths to the goal, and fractions, are those of the runs that have reached it.",
     ]
@@ -130,12 +135,18 @@ def latex_table(summary: Summary, comparisons: Comparisons = ()) -> str:
             f"\\multicolumn{{{width}}}{{@{{}}l@{{}}}}{{\\textit{{{_in_latex(title)}}}}} \\\\",
         ]
         for label, cells in _lines(rows, controllers, summary, comparisons):
-            values = [_wrapped("\\textbf", each.value, each.is_bold) for each in cells]
-            lines.append(_latex_row([_in_latex(label), *values]))
-            for below in ([cell.interval for cell in cells], [cell.p for cell in cells]):
-                if any(below):
-                    small = [_wrapped("\\scriptsize", each, bool(each)) for each in below]
-                    lines.append(_latex_row(["", *small]))
+            texts = [_in_latex(each.value) for each in cells]
+            below = [[each.interval for each in cells], [each.p for each in cells]]
+            values = [
+                [f"\\textbf{{{k}}}" if each.is_bold else k for k, each in zip(texts, cells)],
+                *(map(_small, each) for each in below if any(each)),
+            ]
+            words = map(_in_latex, textwrap.wrap(_unbroken(label), _NARROW))
+            blank = [""] * len(cells)
+            for word, row in zip_longest(words, values):
+                lines.append(_latex_row([word or "", *(row or blank)]))
+            lines.append("\\addlinespace[2pt]")
+        lines.pop()
     return "\n".join([*lines, "\\bottomrule", "\\end{tabular}"]) + "\n"
 
 
@@ -172,9 +183,7 @@ def figure(summary: Summary) -> bytes:
                 _draw(panel, places, group, name, index % len(_COLORS), label)
             panel.set_xticks(range(len(controllers)), controllers, rotation=30, ha="right")
             panel.set_xlim(-0.5, len(controllers) - 0.5)
-            panel.set_ylabel(
-                textwrap.fill(_name(name).replace(" [", "\N{NO-BREAK SPACE}["), _LETTERS)
-            )
+            panel.set_ylabel(textwrap.fill(_unbroken(_name(name)), _LETTERS))
             top = 100.0 if SUMMARISED[name].is_rate else panel.get_ylim()[1]
             panel.set_ylim(_LOWEST * top, (1.0 - _LOWEST) * top)
             panel.grid(axis="y", linewidth=0.3)
@@ -296,6 +305,13 @@ def _label(metric: str) -> str:
     return _name(metric) + ("", " \N{UPWARDS ARROW}", " \N{DOWNWARDS ARROW}")[better]
 
 
+def _unbroken(label: str) -> str:
+    """A label in which no line ends before its unit or its arrow."""
+    for each in "[\N{UPWARDS ARROW}\N{DOWNWARDS ARROW}":
+        label = label.replace(f" {each}", f"\N{NO-BREAK SPACE}{each}")
+    return label
+
+
 def _ends(name: str, row: Mapping[str, Any]) -> Tuple[Optional[float], ...]:
     """The value of a metric and the ends of its interval; of a rate in per cent."""
     scale = 100.0 if name in SUMMARISED and SUMMARISED[name].is_rate else 1.0
@@ -332,9 +348,9 @@ def _latex_row(cells: Sequence[str]) -> str:
     return f"{' & '.join(cells)} \\\\"
 
 
-def _wrapped(command: str, text: str, is_wrapped: bool) -> str:
-    """A text in LaTeX, as the argument of a command or as it is."""
-    return f"{command}{{{_in_latex(text)}}}" if is_wrapped else _in_latex(text)
+def _small(text: str) -> str:
+    """A small text of LaTeX."""
+    return f"{{\\scriptsize {_in_latex(text).replace('p', '$p$', 1)}}}" if text else ""
 
 
 def _in_latex(text: str) -> str:

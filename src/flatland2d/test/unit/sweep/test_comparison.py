@@ -291,9 +291,9 @@ def test_a_table_for_latex_has_a_column_for_each_controller():
     assert table == (
         "{tabular}{@{}lrr@{}}\n\\toprule\n & a \\& b & c|d \\\\\n\\midrule\n"
         "\\multicolumn{3}{@{}l@{}}{\\textit{room\\_1}} \\\\\n"
-        "runs & 10 & 10 \\\\\n"
-        "success [\\%] $\\uparrow$ & 90.0 & 90.0 \\\\\n"
-        " & \\scriptsize{[60.0, 98.0]} & \\scriptsize{[60.0, 98.0]} \\\\\n"
+        "runs & 10 & 10 \\\\\n\\addlinespace[2pt]\n"
+        "success~[\\%]~$\\uparrow$ & 90.0 & 90.0 \\\\\n"
+        " & {\\scriptsize [60.0, 98.0]} & {\\scriptsize [60.0, 98.0]} \\\\\n"
         "\\bottomrule\n\\end{tabular}\n"
     )
 
@@ -334,7 +334,7 @@ def test_numbers_of_a_metric_have_equally_many_decimals_and_no_signs_of_rounding
     assert "| other | mean jerk [m/s³] \N{DOWNWARDS ARROW} |  |  | 0.5 [9.0, 15.0] |" in table
     assert "| other | stalled time [s] \N{DOWNWARDS ARROW} |  |  | 0.0 |" in table
     latex = latex_table([first, second])
-    assert "mine & 2e$-$06 &  \\\\\n & \\scriptsize{[$-$3e$-$06, 7e$-$06]} &" in latex
+    assert "mine & 2e$-$06 &  \\\\\n & {\\scriptsize [$-$3e$-$06, 7e$-$06]} &" in latex
 
 
 def test_bold_are_the_best_and_those_that_are_not_significantly_worse():
@@ -355,8 +355,8 @@ def test_bold_are_the_best_and_those_that_are_not_significantly_worse():
     latex = latex_table(summary, compared)
 
     # All 8 differences have a sign: 2 / 2^8, of 3 tests; the others rank sums of 16 and 20.
-    assert "2.03 & \\textbf{1.00} & \\textbf{0.99} \\\\" in latex
-    assert " & \\scriptsize{p = 0.023} & \\scriptsize{p = 0.844} &  \\\\" in latex
+    assert "\ntime to & 2.03 & \\textbf{1.00} & \\textbf{0.99} \\\\\ngoal~[s]" in latex
+    assert " & {\\scriptsize $p$ = 0.023} & {\\scriptsize $p$ = 0.844} &  \\\\" in latex
     assert "| 2.03, p = 0.023 | **1.00**, p = 0.844 | **0.99** |" in markdown_table(
         summary, compared
     )
