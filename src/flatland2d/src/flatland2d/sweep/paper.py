@@ -187,7 +187,7 @@ def figure(summary: Summary) -> bytes:
             top = 100.0 if SUMMARISED[name].is_rate else panel.get_ylim()[1]
             panel.set_ylim(_LOWEST * top, (1.0 - _LOWEST) * top)
             panel.grid(axis="y", linewidth=0.3)
-        if len(groups) > 1:
+        if len(groups) > 1 and metrics:
             drawn.axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False)
         file = io.BytesIO()
         drawn.savefig(file, format="pdf", metadata={"CreationDate": None})

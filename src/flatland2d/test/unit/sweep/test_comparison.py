@@ -363,6 +363,12 @@ def test_bold_are_the_best_and_those_that_are_not_significantly_worse():
     assert "textbf" not in latex_table(summary)
 
 
+def test_a_figure_of_runs_that_all_failed_has_no_panels():
+    rows = [{**SUMMARY[0], "world": world, "success": None} for world in "ab"]
+
+    assert figure(rows).startswith(b"%PDF-")
+
+
 def test_a_figure_is_the_same_file_each_time():
     first = figure(SUMMARY)
 
