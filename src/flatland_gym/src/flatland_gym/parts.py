@@ -13,7 +13,7 @@ from flatland2d import UsageError
 from flatland_gym.observations import NEIGHBOR, as_dict, bounds, neighbor_rows
 from flatland_gym.rewards import OtherModels
 from flatland_server import BoolArray, Float32Array, FloatArray, IntArray, Segments, cos_sin
-from flatland_server._core import lower_to_walls
+from flatland_server._core import FloorSquares, lower_to_walls
 from flatland_server.exceptions import suggestion
 
 _MOST_SQUARES = 4_000_000
@@ -84,12 +84,6 @@ class MapCrop:
         if not (isinstance(self.resolution, (int, float)) and 1e-3 <= self.resolution < 1e6):
             raise UsageError(f"expected a resolution above 1 mm, found {self.resolution!r}")
 
-    def offsets(self) -> Tuple[FloatArray, FloatArray]:
-        """How far the middles of the squares are ahead and to the left [m]: (1, cells²) each."""
-        steps = (np.arange(self.cells) - (self.cells - 1) / 2.0) * self.resolution
-        ahead, left = np.meshgrid(steps, steps, indexing="ij")
-        return ahead.reshape(1, -1), left.reshape(1, -1)
-
 
 Part = Union[str, MapCrop, ObservationPart, Function]
 
@@ -97,29 +91,18 @@ OURS = ("ranges", "goal", "velocity", "neighbors", "map", "pose", "models")
 """The names of our parts."""
 
 
-class _Squares:
-    """The squares of a map, those that touch a wall."""
-
-    def __init__(self, walls: Segments, resolution: float) -> None:
-        ends = walls.reshape(-1, 2) if len(walls) else np.zeros((1, 2))
-        self._resolution = resolution
-        self._corner = ends.min(axis=0) - 2.0 * resolution
-        shape = np.ceil((ends.max(axis=0) - self._corner) / resolution).astype(int)[::-1] + 2
-        if shape.prod() > _MOST_SQUARES:
-            expected = f"expected a map of up to {_MOST_SQUARES} squares of {resolution:g} m"
-            raise UsageError(f"{expected}, found {shape[1]} x {shape[0]}: a MapCrop has larger ones")
-        squared, reach = np.full(tuple(shape), np.inf), np.sqrt(0.5) * resolution
-        corner = self._corner[0], self._corner[1]
-        lower_to_walls(squared, np.ascontiguousarray(walls, np.float64), reach, corner, resolution)
-        self._touch: BoolArray = squared <= reach**2
-
-    def at(self, x: FloatArray, y: FloatArray) -> BoolArray:
-        """Whether the squares of points [m] touch a wall: those beyond the map do not."""
-        height, width = self._touch.shape
-        columns = np.floor((x - self._corner[0]) / self._resolution).clip(0, width - 1).astype(int)
-        rows = np.floor((y - self._corner[1]) / self._resolution).clip(0, height - 1).astype(int)
-        found: BoolArray = self._touch[rows, columns]
-        return found
+def _squares(walls: Segments, resolution: float) -> FloorSquares:
+    """The squares of a map with walls."""
+    ends = walls.reshape(-1, 2) if len(walls) else np.zeros((1, 2))
+    corner = ends.min(axis=0) - 2.0 * resolution
+    columns, rows = np.ceil((ends.max(axis=0) - corner) / resolution).astype(int) + 2
+    if rows * columns > _MOST_SQUARES:
+        expected = f"expected a map of up to {_MOST_SQUARES} squares of {resolution:g} m"
+        raise UsageError(f"{expected}, found {columns} x {rows}: a MapCrop may have larger ones")
+    squared, reach = np.full((rows, columns), np.inf), float(np.sqrt(0.5) * resolution)
+    place = float(corner[0]), float(corner[1])
+    lower_to_walls(squared, np.ascontiguousarray(walls, np.float64), reach, place, resolution)
+    return FloorSquares(squared <= reach**2, place, resolution)
 
 
 class Known(NamedTuple):
@@ -253,18 +236,13 @@ class Parts:
         )
 
     def _map(self, crop: MapCrop) -> _Column:
-        grids = [_Squares(walls, crop.resolution) for walls in self._walls]
-        ahead, left = crop.offsets()
+        maps = [_squares(walls, float(crop.resolution)) for walls in self._walls]
 
         def compute(known: Known) -> BoolArray:
-            poses = known.situation.poses
-            cos, sin = (each[:, None] for each in cos_sin(poses[:, 2]))
-            x = poses[:, :1] + cos * ahead - sin * left
-            y = poses[:, 1:2] + sin * ahead + cos * left
-            found = np.empty(x.shape, bool)
-            for world, grid in enumerate(grids):
+            found = np.empty((len(known.flat), crop.cells**2), bool)
+            for world, squares in enumerate(maps):
                 rows = known.worlds == world
-                found[rows] = grid.at(x[rows], y[rows])
+                found[rows] = squares.crop(known.situation.poses[rows], int(crop.cells))
             return found
 
         return _Column("map", (crop.cells, crop.cells), 0.0, 1.0, compute)

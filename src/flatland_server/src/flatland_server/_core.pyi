@@ -1289,6 +1289,19 @@ class FloorSquares(metaclass=_Metaclass):
         """The number of squares."""
     def __contains__(self, point: _PairLike) -> bool:
         """True if a point is in one of the squares."""
+    def crop(self, poses: FloatArray, cells: int) -> BoolArray:
+        """Which places around robots are in one of the squares: a new array (n, cells²).
+
+        The places are the middles of squares of the same size in the robot's frame, the robot in
+        the middle: rows from behind to ahead of it, each from its right to its left.
+
+        Args:
+            poses: x, y [m] and yaw [rad], shape (n, 3).
+            cells: along each side.
+
+        Raises:
+            ValueError: an argument is wrong.
+        """
     def draw(self, rng: np.random.Generator) -> _Pair:
         """A random point in a square: x, y [m].
 

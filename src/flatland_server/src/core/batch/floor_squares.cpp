@@ -104,6 +104,16 @@ bool FloorSquares::Contains(Vec2 point) const {
          is_one_[static_cast<size_t>(row) * columns_ + static_cast<size_t>(column)];
 }
 
+void FloorSquares::Crop(const Pose& pose, int cells, bool* crop) const {
+  const Rotation heading(pose.yaw);
+  const auto middle = [&](int i) { return (i - (cells - 1) / 2.0) * side_; };
+  for (int i = 0; i < cells; ++i) {
+    for (int j = 0; j < cells; ++j) {
+      *crop++ = Contains(Vec2{pose.x, pose.y} + heading.Apply({middle(i), middle(j)}));
+    }
+  }
+}
+
 Vec2 FloorSquares::Draw(const NumberSource& numbers) const {
   const Square square = squares_[DrawBelow(static_cast<uint32_t>(size()), numbers)];
   const double along_x = numbers.Draw(), along_y = numbers.Draw();
