@@ -14,7 +14,6 @@ import numpy as np
 import scenario
 from scenario import Scenario
 
-
 _SQUARE = 0.1
 """Side of a square of its map [m]."""
 
@@ -37,9 +36,7 @@ class Batch:
             "wmin": -scenario.YAW_RATE,
             "wmax": scenario.YAW_RATE,
         }
-        self._simulators = jalansim.make(
-            "diff_drive", robots, limits, radius=scenario.ROBOT_RADIUS
-        )
+        self._simulators = jalansim.make("diff_drive", robots, limits, radius=scenario.ROBOT_RADIUS)
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "map.pgm"
             squares = scenario.squares(self._scenario.discs, _SQUARE)

@@ -1,4 +1,4 @@
-"""Observations of parts that a user chooses, and privileged ones: by hand, and in all environments."""
+"""Observations of parts that a user chooses, and privileged ones."""
 
 import numpy as np
 import pytest
@@ -58,8 +58,9 @@ def test_the_map_is_in_the_robots_frame(tmp_path):
     (tmp_path / "walls.yaml").write_text(
         "type: line_segments\ndata: walls.dat\nscale: 1\norigin: [0, 0, 0]\n"
     )
+    disc = {"type": "circle", "radius": 0.2, "density": 1}
     robot = {
-        "bodies": [{"name": "base", "footprints": [{"type": "circle", "radius": 0.2, "density": 1}]}],
+        "bodies": [{"name": "base", "footprints": [disc]}],
         "plugins": [
             {"type": "DiffDrive", "name": "drive", "body": "base"},
             {"type": "Laser", "name": "laser", "body": "base", "range": 5,
@@ -152,7 +153,10 @@ def test_a_team_has_them_for_each_robot():
         ([7], "found 7"),
         ("neighbors", "expected neighbors above 0"),
         (lambda now: "far", 'from the observation "<lambda>"'),
-        (ObservationPart(to_goal, (2,), name="mine"), r"shape \(1, 2\) from the observation \"mine\""),
+        (
+            ObservationPart(to_goal, (2,), name="mine"),
+            r"shape \(1, 2\) from the observation \"mine\"",
+        ),
         (MapCrop(8, 1e-3), "a MapCrop may have larger ones"),
     ],
 )
@@ -164,7 +168,7 @@ def test_wrong_parts_are_refused(name, value, message):
 
 @pytest.mark.parametrize("arguments", [(0, 0.1), (8, 0.0), (8, float("nan")), ("8", 0.1)])
 def test_wrong_crops_are_refused(arguments):
-    with pytest.raises(UsageError, match="of a MapCrop|expected a resolution"):
+    with pytest.raises(UsageError, match=r"of a MapCrop|expected a resolution"):
         MapCrop(*arguments)
 
 

@@ -315,9 +315,13 @@ class Navigation:
 
     def _known(self) -> Known:
         rows = self.rows
-        arrays = rows.poses, rows.local_velocities, self.goals, rows.ranges
-        models = self._models(np.arange(len(self.goals)))
-        situation = Situation(*map(frozen, arrays), models)
+        situation = Situation(
+            frozen(rows.poses),
+            frozen(rows.local_velocities),
+            frozen(self.goals),
+            frozen(rows.ranges),
+            self._models(np.arange(len(self.goals))),
+        )
         return Known(situation, self._standard(), self._radii[self._world_of], self._world_of)
 
     def _standard(self) -> Float32Array:

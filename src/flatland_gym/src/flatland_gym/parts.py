@@ -1,6 +1,6 @@
 """Observations that a user composes: parts of ours by their names, map crops, and functions.
 
-    gym.make(ID, observation=["ranges", "goal", MapCrop(), speed_of_people], privileged="models")
+gym.make(ID, observation=["ranges", "goal", MapCrop(), speed_of_people], privileged="models")
 """
 
 from dataclasses import dataclass
@@ -171,9 +171,9 @@ class Parts:
         self._stops = np.cumsum(sizes).tolist()
         low, high = (
             np.concatenate(
-                [np.broadcast_to(each[end], each.shape).ravel() for each in self._columns]
+                [np.broadcast_to(getattr(each, end), each.shape).ravel() for each in self._columns]
             ).astype(np.float32)
-            for end in (2, 3)
+            for end in ("low", "high")
         )
         self.flat_space = spaces.Box(low, high, dtype=np.float32)
 
@@ -213,8 +213,8 @@ class Parts:
             known = ", ".join(OURS)
             found = f"{part!r}{suggestion(part, OURS)}" if isinstance(part, str) else repr(part)
             raise UsageError(
-                f"expected parts of observations: functions, ObservationPart, MapCrop, or of {known}; "
-                f"found {found}"
+                "expected parts of observations: functions, ObservationPart, MapCrop, or of "
+                f"{known}; found {found}"
             )
         if part == "map":
             return self._map(MapCrop())
@@ -261,8 +261,8 @@ class Parts:
         nothing = np.zeros((1, len(self._models), 3))
         models = OtherModels(self._models, lambda: (nothing, nothing))
         ranges = np.ones((1, self._sizes[0]), np.float32)
-        zeros = [np.zeros((1, size)) for size in (3, 3, 2)]
-        found = np.asarray(function(Situation(*zeros, ranges, models)))
+        poses, velocities, goals = (np.zeros((1, size)) for size in (3, 3, 2))
+        found = np.asarray(function(Situation(poses, velocities, goals, ranges, models)))
         _numbers(found, (1, *found.shape[1:]), name)
         return found.shape[1:]
 

@@ -8,7 +8,7 @@ from townspeople import RADIUS, position, robot, walk
 
 from flatland2d import Simulation
 from flatland2d.rendering.scene import bounds
-from flatland_server import Crowd
+from flatland_server._core import AWAY
 from flatland_server.exceptions import YamlError
 
 ROWS = """\
@@ -72,7 +72,7 @@ def test_a_picture_does_not_reach_to_those_who_are_away(recorded, files):
     people = recorded(keys="start: [2.5, 2.5]", robots=robot(files))
 
     assert people.model("people_0").is_away
-    assert position(people)[0] >= Crowd.AWAY
+    assert position(people)[0] >= AWAY
     with Simulation(files.folder / "world.yaml") as simulation:
         low, high = bounds(simulation.world)
     assert max(*map(abs, low), *map(abs, high)) < 1.0
@@ -113,10 +113,13 @@ def test_a_start_is_drawn_by_the_seed(recorded):
         ("0 1 0 0\n0 1 1 1", "rows.txt:2: person 1 is in frame 0 a second time"),
         ("0 1 0 6e4", "rows.txt:1: expected a position within 50000 m, found [0.0, 60000.0]"),
         ("0.5 1 0 0", "rows.txt:1: expected a whole frame and id, found 0.5, 1"),
-        ("0 1 0 0\n1e9 1 0 0", "world.yaml:6: plugins[0].recording.frame_rate: expected a recording "
-         "of up to 1e+06 s, found 2e+08 s at this rate"),
+        (
+            "0 1 0 0\n1e9 1 0 0",
+            "world.yaml:6: plugins[0].recording.frame_rate: expected a recording of up to 1e+06 s, "
+            "found 2e+08 s at this rate",
+        ),
     ],
-)  # fmt: skip
+)
 def test_a_wrong_file_is_refused_at_its_line(recorded, files, rows, message):
     with pytest.raises(YamlError) as caught:
         recorded(rows)
@@ -136,4 +139,6 @@ def test_wrong_keys_are_refused(recorded, keys, message):
     with pytest.raises(YamlError) as caught:
         recorded(keys=keys)
 
-    assert f"plugins[0].recording.{message}" in str(caught.value).replace("recording: ", "recording.")
+    assert f"plugins[0].recording.{message}" in str(caught.value).replace(
+        "recording: ", "recording."
+    )

@@ -1095,9 +1095,6 @@ class Tween(_WithoutConstructor):
 class Crowd(_WithoutConstructor):
     """A handle of a crowd: people who walk between goals, and give way to what is around them."""
 
-    AWAY: float
-    """Those who are away have larger coordinates [m]."""
-
     def add_person(
         self,
         body: Body,
@@ -1135,7 +1132,7 @@ class Crowd(_WithoutConstructor):
             area: lower and upper corner of a rectangle in which goals are drawn [m].
             stands: at the place in the area at which `scatter` puts it.
             recording: walks that it follows instead of going to goals, one after the other: rows of
-                time [s], x and y [m]. Between two of them it is away, at more than `AWAY`.
+                time [s], x and y [m]. Between two of them it is away, beyond `AWAY`.
         """
     def follow(self, person: int, point: _PairLike, velocity: _PairLike) -> None:
         """Lets a person follow an agent from now on, instead of walking to its goals.
@@ -1159,6 +1156,9 @@ class Crowd(_WithoutConstructor):
 
         Those with a recording are put where it begins.
         """
+
+AWAY: float
+"""People of a crowd who are away have larger coordinates [m]."""
 
 def orca_velocity(
     velocity: _PairLike,

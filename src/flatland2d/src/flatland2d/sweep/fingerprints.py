@@ -1,8 +1,8 @@
 """Fingerprints of scenarios: equal ones have equal results, which are computed once.
 
 A fingerprint covers the scenario file and the contents of the files that it names: worlds, models,
-maps and recorded people, the controller's file and the policy. Modules that a controller imports are not
-covered, nor are plugins.
+maps and recorded people, the controller's file and the policy. Modules that a controller imports are
+not covered, nor are plugins.
 """
 
 import hashlib
@@ -112,7 +112,7 @@ class Fingerprints:
         return maps
 
     def _files_of_plugins(self, content: Dict[str, Any]) -> Dict[str, str]:
-        """Likewise of files that maps of the world's plugins name, such as a Crowd's `recording`."""
+        """The same of files that maps of the world's plugins name, as a Crowd's `recording`."""
         files: Dict[str, str] = {}
         for plugin in content.get("plugins") or ():
             for value in plugin.values():

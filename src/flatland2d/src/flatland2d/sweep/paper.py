@@ -71,7 +71,6 @@ class _Cell(NamedTuple):
     is_bold: bool = False
 
 
-
 def with_metrics(summary: Summary, metrics: Collection[str]) -> Summary:
     """The summary without the other metrics of SUMMARISED."""
     others = set(SUMMARISED).difference(metrics)
@@ -119,8 +118,8 @@ def latex_table(summary: Summary, comparisons: Comparisons = ()) -> str:
     ]
     if comparisons:
         lines += [
-            "% p: of the same tasks as the best controller's, by McNemar's exact test for rates and",
-            "% Wilcoxon's signed-rank test for means, adjusted by Holm's method for the table.",
+            "% p: of the same tasks as the best controller's, by McNemar's exact test for rates",
+            "% and Wilcoxon's signed-rank test for means, adjusted by Holm's method for the table.",
             f"% Bold: the best and those that are not worse at p < {_LEVEL:g}, where any is worse.",
         ]
     lines += [

@@ -113,9 +113,8 @@ Pair ChooseOrcaVelocity(const Pair& velocity, const Pair& preferred, const Array
 }  // namespace
 
 void BindCrowd(py::module_& m) {
-  py::class_<PyCrowd> crowd(m, "Crowd");
-  crowd.attr("AWAY") = kAway;
-  crowd
+  m.attr("AWAY") = kAway;
+  py::class_<PyCrowd>(m, "Crowd")
       .def("add_person", &AddPerson, py::arg("body"), py::kw_only(), py::arg("goals"),
            py::arg("radius"), py::arg("speed"), py::arg("legs") = std::vector<PyBody>{},
            py::arg("circle") = py::none(), py::arg("leg_offset") = 0.0, py::arg("walk_ratio") = 0.0,

@@ -18,9 +18,9 @@ constexpr double kPatience = 1.0;        // an agent walks on for so long after 
 constexpr double kLongestWay = 1.0;      // a person jumps to an agent that is farther away [m]
 constexpr double kLongestPeriod = 1e18;  // 32 years [ns]
 constexpr int64_t kLastTime = int64_t{1} << 62;  // [ns]
-constexpr int64_t kGlance = 1'000'000'000;       // after which a recorded way shows its direction [ns]
-constexpr double kAwayGap = 4.0;                 // between people who are away [m]
-constexpr double kSides[] = {1.0, -1.0};         // of the legs: 1 is the left
+constexpr int64_t kGlance = 1'000'000'000;  // after which a recorded way shows its direction [ns]
+constexpr double kAwayGap = 4.0;            // between people who are away [m]
+constexpr double kSides[] = {1.0, -1.0};    // of the legs: 1 is the left
 
 Vec2 PointOf(const Pose& pose) { return {pose.x, pose.y}; }
 
@@ -146,8 +146,8 @@ void Crowd::Update(Bodies& bodies, const Layers& layers, double dt) {
     headings_of_others_.emplace_back(motions_of_others_.back().yaw);
   }
   Meet(dt);
-  const bool do_choose = std::any_of(people_.begin(), people_.end(),
-                                     [](const auto& each) { return !each.recording; });
+  const bool do_choose =
+      std::any_of(people_.begin(), people_.end(), [](const auto& each) { return !each.recording; });
   if (do_choose && settings_.orca) {
     SortByX();
   } else if (do_choose) {

@@ -66,8 +66,8 @@ struct PersonSettings {
   double field_of_view = 2.0 * M_PI;   ///< in which it sees people and robots [rad]
   int group = -1;                      ///< whose people keep together; -1: none
   std::shared_ptr<const Recording> recording;  ///< followed instead of `goals`
-  std::optional<Area> area;            ///< in which places and goals are drawn, instead of `goals`
-  bool stands = false;                 ///< at its drawn place
+  std::optional<Area> area;  ///< in which places and goals are drawn, instead of `goals`
+  bool stands = false;       ///< at its drawn place
 };
 
 class Crowd {

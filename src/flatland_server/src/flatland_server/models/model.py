@@ -272,7 +272,7 @@ class Model(Entity):
     @property
     def is_away(self) -> bool:
         """Whether it is a recorded person who has not come yet, or has gone."""
-        return self.base.pose.x >= _core.Crowd.AWAY
+        return self.base.pose.x >= _core.AWAY
 
     @property
     def radius(self) -> float:
