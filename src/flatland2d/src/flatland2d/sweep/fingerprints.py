@@ -1,7 +1,7 @@
 """Fingerprints of scenarios: equal ones have equal results, which are computed once.
 
 A fingerprint covers the scenario file and the contents of the files that it names: worlds, models,
-maps and recorded people, the controller's file and the policy. Modules that a controller imports are
+maps, recorded people, the file of the controller, the policy. Modules that it imports are
 not covered, nor are plugins.
 """
 

@@ -106,10 +106,13 @@ bool FloorSquares::Contains(Vec2 point) const {
 
 void FloorSquares::Crop(const Pose& pose, int cells, bool* crop) const {
   const Rotation heading(pose.yaw);
-  const auto middle = [&](int i) { return (i - (cells - 1) / 2.0) * side_; };
+  const Vec2 robot{(pose.x - corner_.x) / side_, (pose.y - corner_.y) / side_};
+  const double middle = (cells - 1) / 2.0;
   for (int i = 0; i < cells; ++i) {
     for (int j = 0; j < cells; ++j) {
-      *crop++ = Contains(Vec2{pose.x, pose.y} + heading.Apply({middle(i), middle(j)}));
+      const Vec2 at = robot + heading.Apply({i - middle, j - middle});
+      *crop++ = at.x >= 0.0 && at.x < columns_ && at.y >= 0.0 && at.y < rows_ &&
+                is_one_[static_cast<size_t>(at.y) * columns_ + static_cast<size_t>(at.x)];
     }
   }
 }
