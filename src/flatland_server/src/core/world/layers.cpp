@@ -66,6 +66,12 @@ Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits b
   return handle;
 }
 
+void Layers::ExchangeFirst(std::shared_ptr<const VisibleWalls>& walls) {
+  const auto& present = all_.front().visible;
+  all_.front().visible.swap(walls);
+  nearby_.front()->Replace(std::shared_ptr<const SegmentTree>(present, &present->all()));
+}
+
 int Layers::held_body_count() const {
   int count = 0;
   for (const auto& each : nearby_) count += each->held_block_count();
