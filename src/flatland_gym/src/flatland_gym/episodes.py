@@ -146,10 +146,10 @@ class EpisodeSampler:
         """
         count = len(choice.worlds)
         index = choice.worlds[int(rng.integers(count)) if count > 1 else 0]
-        world, number = self._worlds[index], None
+        world, chosen_map = self._worlds[index], None
         if self._maps is not None:
-            number = choice.maps[int(rng.integers(len(choice.maps)))]
-            world = self._maps[number].world
+            chosen_map = choice.maps[int(rng.integers(len(choice.maps)))]
+            world = self._maps[chosen_map].world
         if index not in self._usual:
             self._usual[index] = _given_ends(world.ends, world.robots)
         usual = self._usual[index]
@@ -183,7 +183,7 @@ class EpisodeSampler:
             near_starts.append((start.x, start.y, world.radius))
             near_goals.append((*goal, world.radius))
         places = self._places(world, choice.settings, near_starts + near_goals, rng)
-        return Episode(index, seed, tuple(starts), tuple(goals), places, number)
+        return Episode(index, seed, tuple(starts), tuple(goals), places, chosen_map)
 
     def _map_numbers(self, given: Any) -> Sequence[int]:
         """The numbers of the maps that the option `map` leaves."""

@@ -131,11 +131,11 @@ class Navigation:
         given, choice = options_of(options), self._choice
         if given:
             choice = self._sampler.choice({**self._options, **given})
-        may_fail = given or self._options
+        may_fail = given or self._options or self._maps is not None
         states = [generator.bit_generator.state for generator in generators] if may_fail else []
         try:
             episodes = [self._sampler.draw(generator, choice) for generator in generators]
-        except UsageError:
+        except BaseException:  # also one of a program's function that makes maps
             for generator, state in zip(generators, states):
                 generator.bit_generator.state = state
             raise

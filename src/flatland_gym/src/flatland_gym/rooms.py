@@ -65,6 +65,8 @@ class Rooms:
             line = low[axis] + rng.integers(length // 3 + 1, length - length // 3)
             door = rng.integers(low[1 - axis], high[1 - axis])
             for begin, end in ((low[1 - axis], door), (door + 1, high[1 - axis])):
+                if begin == end:
+                    continue
                 ends = np.array([[line, begin], [line, end]])[:, :: 1 - 2 * axis]
                 walls.append((ends * pitch - half).reshape(1, 4))
             below, above = high.copy(), low.copy()

@@ -323,7 +323,7 @@ class WorldBatch(metaclass=_Metaclass):
         With None, they are those of the world. Nothing changes if it has these already.
 
         Raises:
-            ValueError: the world has no layer, or has made steps. Nothing has changed.
+            ValueError: the world has no layer, or environments begin near walls. Nothing has changed.
         """
     def seed_crowd(
         self, crowd: Crowd, keys: npt.NDArray[np.uint64], mask: BoolArray | None

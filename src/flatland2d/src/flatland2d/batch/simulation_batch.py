@@ -341,8 +341,9 @@ class SimulationBatch:
             `out`, or new arrays.
 
         Raises:
-            UsageError: an argument has a wrong shape or value, the world has no layer or begins in
-                a state, or the batch is closed. Nothing has changed.
+            UsageError: an argument has a wrong shape or value, the world has no layer, or
+                environments begin in a state near walls, or the batch is closed. Nothing has
+                changed.
         """
         core = self._require_open()
         chosen = None if mask is None else mask_of(mask, self._num_envs)

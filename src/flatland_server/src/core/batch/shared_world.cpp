@@ -94,7 +94,7 @@ std::unique_ptr<SharedState> SharedWorld::MakeState(SharedState::Walls walls) {
     const bool is_at_beginning = std::all_of(
         layers.begin(), layers.end(), [](const auto& each) { return each->IsAtBeginning(); });
     Require(is_at_beginning && beginning_.IsApartFromWalls(),
-            "walls are replaced only in a world that has made no step");
+            "environments begin with bodies near walls");
   }
   auto state = std::make_unique<SharedState>();
   state->bytes_ = empty_;

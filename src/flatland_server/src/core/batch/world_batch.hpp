@@ -103,8 +103,8 @@ class WorldBatch {
   /// walls. It is not shared with other environments. Its row is not written.
   void Replace(int row, const World& world);
   /// Lets an environment begin again with other walls in the first layer, or with those of the world
-  /// (null). Its row is not written. Throws std::invalid_argument, and changes nothing, in a batch
-  /// that does not begin at the world's beginning, or without a layer.
+  /// (null). Its row is not written. Throws std::invalid_argument, and changes nothing, in a world
+  /// without a layer, or where environments begin near walls.
   void SetWalls(int row, std::shared_ptr<const VisibleWalls> walls);
   /// The state of an environment, as World::SaveState makes it of one that is equal.
   std::string SaveState(int row);

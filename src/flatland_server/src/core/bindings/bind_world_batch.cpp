@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "base/box2d_limits.hpp"
 #include "batch/world_batch.hpp"
 #include "bindings/bindings.hpp"
 #include "sight/visible_walls.hpp"
+#include "world/layers.hpp"
 
 namespace flatland {
 namespace {
@@ -20,7 +20,7 @@ struct PyWalls {
 
 PyWalls MakeWalls(const Array<double>& segments) {
   std::vector<Segment> converted = ToSegments(segments);
-  for (const Segment& wall : converted) RequirePosition(wall.a), RequirePosition(wall.b);
+  RequireWalls(converted);
   const py::gil_scoped_release release;
   return {VisibleWalls::Share(std::move(converted))};
 }

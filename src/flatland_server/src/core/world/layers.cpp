@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/box2d_limits.hpp"
 #include "base/to_box2d.hpp"
 #include "sight/segment_tree.hpp"
 #include "sight/visible_fixture.hpp"
@@ -43,6 +44,14 @@ bool MayReachWalls(const BodyRecord& record) {
 }
 
 }  // namespace
+
+void RequireWalls(const std::vector<Segment>& walls) {
+  for (const Segment& wall : walls) {
+    RequirePosition(wall.a);
+    RequirePosition(wall.b);
+    Require(wall.a.x != wall.b.x || wall.a.y != wall.b.y, "a wall's ends must not be one point");
+  }
+}
 
 void Layers::CopyFrom(const Layers& other) {
   all_ = other.all_;

@@ -22,6 +22,9 @@
 
 namespace flatland {
 
+/// Throws std::invalid_argument for a wall that is none, or too far away.
+void RequireWalls(const std::vector<Segment>& walls);
+
 class Layers {
  public:
   struct Layer {
