@@ -4,6 +4,7 @@ gym.make(ID, observation=["ranges", "goal", MapCrop(), speed_of_people], privile
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Tuple, Union
 
 import numpy as np
@@ -17,6 +18,8 @@ from flatland_server._core import FloorSquares, lower_to_walls
 from flatland_server.exceptions import suggestion
 
 _MOST_SQUARES = 4_000_000
+_MOST_KEPT = 4096
+"""Maps of squares that are kept."""
 
 
 class Situation(NamedTuple):
@@ -68,7 +71,7 @@ class MapCrop:
 
     Squares are in the robot's frame: `map[i, j]` is farther ahead the larger i is, and farther to
     the left the larger j is; the robot is in the middle. The map has the walls of the world's
-    files: no models, and no walls that plugins add.
+    files, or of the episode's map: no models, and no walls that plugins add.
 
     Attributes:
         cells: along each side.
@@ -111,13 +114,13 @@ class Known(NamedTuple):
     Attributes:
         flat: the observations without parts of a user's own, (n, size).
         radii: of other models and the robot together [m], (n, m).
-        worlds: the indices of the worlds, (n,).
+        places: the indices of the robots' worlds, or the numbers of their maps, (n,).
     """
 
     situation: Situation
     flat: Float32Array
     radii: FloatArray
-    worlds: IntArray
+    places: IntArray
 
 
 class _Column(NamedTuple):
@@ -142,7 +145,7 @@ class Parts:
         beams: of the lidar.
         velocities: parts of the velocity.
         neighbors: in an observation.
-        walls: of each world.
+        walls_at: returns the walls of a place, see `Known`.
         models: the names of all other models, m.
 
     Raises:
@@ -155,13 +158,13 @@ class Parts:
         beams: int,
         velocities: int,
         neighbors: int,
-        walls: Sequence[Segments],
+        walls_at: Callable[[int], Segments],
         models: Tuple[str, ...],
     ) -> None:
         self._sizes = beams, neighbors
         self._models = models
         self._ends = bounds(beams, velocities, neighbors)
-        self._walls = walls
+        self._walls_at = walls_at
         self._columns = [self._column(part) for part in parts]
         names = [each.name for each in self._columns]
         for name in names:
@@ -236,13 +239,17 @@ class Parts:
         )
 
     def _map(self, crop: MapCrop) -> _Column:
-        maps = [_squares(walls, float(crop.resolution)) for walls in self._walls]
+        walls_at, resolution = self._walls_at, float(crop.resolution)
+
+        @lru_cache(_MOST_KEPT)
+        def squares(place: int) -> FloorSquares:
+            return _squares(walls_at(place), resolution)
 
         def compute(known: Known) -> BoolArray:
             found = np.empty((len(known.flat), crop.cells**2), bool)
-            for world, squares in enumerate(maps):
-                rows = known.worlds == world
-                found[rows] = squares.crop(known.situation.poses[rows], int(crop.cells))
+            for place in np.unique(known.places).tolist():
+                rows = known.places == place
+                found[rows] = squares(place).crop(known.situation.poses[rows], int(crop.cells))
             return found
 
         return _Column("map", (crop.cells, crop.cells), 0.0, 1.0, compute)
