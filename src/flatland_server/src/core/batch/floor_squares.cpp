@@ -118,7 +118,7 @@ void FloorSquares::Crop(const Pose& pose, int cells, bool* crop) const {
     for (int j = 0; j < cells; ++j) {
       const Vec2 at = robot + heading.Apply({i - middle, j - middle});
       *crop++ = at.x >= 0.0 && at.x < columns_ && at.y >= 0.0 && at.y < rows_ &&
-                is_one_[static_cast<size_t>(at.y) * columns_ + static_cast<size_t>(at.x)];
+                IsOne(static_cast<int>(at.y), static_cast<int>(at.x));
     }
   }
 }
