@@ -27,10 +27,18 @@ void TricycleDrive::Command(double speed, double angle) {
   if (actuator_) actuator_->Command();
 }
 
+Fastest TricycleDrive::GetFastest() const {
+  const double speed =
+      std::max(std::abs(this->speed()), settings_.linear.Limited(std::abs(target_speed_)));
+  const double angle = std::max(std::abs(steer_angle()), std::abs(target_angle_));
+  return {speed, speed * std::min(angle, 1.0) / wheelbase_};
+}
+
 void TricycleDrive::Reset() {
   target_speed_ = speed_ = 0.0;
   target_angle_ = steering_.angle = steer_angle();
   steering_.rate = 0.0;
+  motion_ = {};
   if (actuator_) actuator_->Reset();
 }
 
@@ -61,11 +69,13 @@ void TricycleDrive::BeginStep(b2Body& body, double dt) {
     actuator_->Steer(steered_for(0.75 * dt).angle, steering_.angle, 0.5 * dt);
     halfway = first;
   }
-  motion_.Begin(body, TwistAt(rolling.mean.x, halfway), dt);
+  const Twist mean = TwistAt(rolling.mean.x, halfway);
+  if (actuator_) actuator_->Roll(mean);
+  motion_.Begin(body, mean, dt, actuator_.grip());
 }
 
 void TricycleDrive::EndStep(b2Body& body) {
-  motion_.End(body, TwistAt(speed(), steer_angle()));
+  motion_.End(body, TwistAt(speed(), steer_angle()), actuator_.grip());
   if (front_wheel_ == nullptr) return;
   const bool wheel_is_b = front_wheel_->GetBodyA() == &body;
   b2Body& wheel = wheel_is_b ? *front_wheel_->GetBodyB() : *front_wheel_->GetBodyA();
