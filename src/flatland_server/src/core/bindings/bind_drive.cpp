@@ -13,8 +13,8 @@ DynamicsLimits ToLimits(const Triple& t) {
   return {std::get<0>(t), std::get<1>(t), std::get<2>(t)};
 }
 
-/// Each axis as (delay, time_constant, dead_band, noise); command_timeout; the key of the noise; and
-/// (max_force, max_torque, friction).
+/// Each axis as (delay, time_constant, dead_band, noise); command_timeout; the key of the noise;
+/// and (max_force, max_torque, friction).
 using Axis = std::array<double, 4>;
 using Actuators = std::tuple<Axis, Axis, double, uint64_t, Triple>;
 
