@@ -64,6 +64,9 @@ class FloorSquares {
 
   size_t size() const { return before_.back(); }
   bool Contains(Vec2 point) const;
+  /// Whether the middles of `cells` x `cells` squares of the same size about a pose, in its frame,
+  /// are in one of these: row by row from behind, each from right to left.
+  void Crop(const Pose& pose, int cells, bool* crop) const;
   /// A point in one of the squares, of which there must be one.
   Vec2 Draw(const NumberSource& numbers) const;
   /// Poses of `count` discs of a radius [m], drawn one after the other: the first of some points at
