@@ -382,7 +382,7 @@ def test_without_gymnasium_it_says_what_to_install():
     assert result.returncode == 1
     assert (
         result.stderr
-        == "error: NavigationVectorEnv needs Gymnasium: pip install 'flatland2d[gym]'\n"
+        == "error: NavigationVectorEnv needs Gymnasium: pip install '.[gym]' in Flatland's clone\n"
     )
 
 

@@ -14,6 +14,7 @@ import importlib.util
 from typing import TYPE_CHECKING, Any
 
 from flatland2d import MissingPackageError
+from flatland_server.exceptions import pip_install
 from flatland_gym.policy import Policy
 from flatland_gym.rewards import RewardWeights, Transition, navigation_reward
 from flatland_gym.scenarios import SCENARIOS, Scenario
@@ -59,5 +60,5 @@ def __getattr__(name: str) -> Any:
     """Raises the error for environments if Gymnasium is missing or too old."""
     if name in __all__:
         wanted = "Gymnasium 1.1" if "NavigationEnv" in globals() else "Gymnasium"
-        raise MissingPackageError(f"{name} needs {wanted}: pip install 'flatland2d[gym]'")
+        raise MissingPackageError(f"{name} needs {wanted}: {pip_install('gym')}")
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -11,7 +11,7 @@ import numpy as np
 from flatland2d import BatchObservation, Simulation, UsageError
 from flatland_gym.episodes import EpisodeSampler, options_of
 from flatland_gym.fleet import Fleet, Motions
-from flatland_gym.judging import judge
+from flatland_gym.reward_functions import evaluate_step
 from flatland_gym.navigation_world import load_all
 from flatland_gym.neighbors import Neighbors
 from flatland_gym.observations import as_dict, goal_distances
@@ -192,7 +192,7 @@ class Navigation:
             self._period,
             self._models(indices),
         )
-        rewards, terminated = judge(transition, settings)
+        rewards, terminated = evaluate_step(transition, settings)
         if len(indices) == len(distances):  # quicker than with a mask
             self.distances, self.successes = distances, successes
             return rewards, terminated.copy(), ~terminated & (self.steps >= self._longest_episode)

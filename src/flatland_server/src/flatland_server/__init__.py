@@ -15,6 +15,13 @@ import pkgutil as _pkgutil
 # folder before it in sys.path, since the package there has put it there.
 __path__ = _pkgutil.extend_path(__path__, __name__)
 
+try:
+    from flatland_server import _core  # noqa: F401
+except ImportError as _error:
+    from flatland_server.wrong_python import wrong_python as _wrong_python
+
+    raise _wrong_python(_error) from None
+
 from flatland_server import messages
 from flatland_server._core import (
     EASINGS,

@@ -51,7 +51,7 @@ class RayPool:
             import ray
         except ImportError as error:
             raise FlatlandError(
-                "--ray needs Ray: pip install 'flatland2d[ray]', or in a ROS workspace as "
+                f"--ray needs Ray: {pip_install('ray')}, or in a ROS workspace as "
                 f"docs/sweeps.md says under Parquet and Ray ({error})"
             ) from None
         self._ray = ray

@@ -123,7 +123,7 @@ void RequireNumPy() {
   throw py::import_error(
       "flatland_server was built with pybind11 " + std::to_string(PYBIND11_VERSION_MAJOR) + "." +
       std::to_string(PYBIND11_VERSION_MINOR) + ", which supports NumPy before 2, found NumPy " +
-      version + ": install numpy<2, or build with pybind11 2.12 or newer");
+      version);
 }
 
 PYBIND11_MODULE(_core, m) {

@@ -5,7 +5,7 @@
 
 #include "base/box2d_limits.hpp"
 #include "base/to_box2d.hpp"
-#include "people/surroundings.hpp"
+#include "people/obstacles.hpp"
 #include "world/layers.hpp"
 
 namespace flatland {

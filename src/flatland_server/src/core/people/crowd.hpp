@@ -5,7 +5,7 @@
 /// A crowd sets the velocities of its people at its updates, several times a second. Between two
 /// updates Box2D moves them, and resolves collisions: they are bodies like others, without a drive.
 /// The next update starts from the result. In an update, each person chooses a velocity by the
-/// forces of what is around it (social_force.hpp, surroundings.hpp), or by ORCA (orca.hpp), or
+/// forces of what is around it (social_force.hpp, obstacles.hpp), or by ORCA (orca.hpp), or
 /// follows an agent of another program; then turns that way, and its legs step.
 ///
 /// Dynamic bodies that are no people are robots. A person may give way to them late, or not at all:

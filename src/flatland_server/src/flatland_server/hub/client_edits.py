@@ -224,7 +224,7 @@ class ClientEdits:
         contents = self._world.contents
         if name not in contents.models:
             return None
-        entry = replace(contents.additions.entries[name], pose=contents.models[name].pose)
+        entry = replace(contents.added.entries[name], pose=contents.models[name].pose)
         return _Placed(entry, contents.layout.get(name))
 
     def _make(
@@ -258,7 +258,7 @@ class ClientEdits:
     def changes(self) -> Changes:
         """The present difference."""
         contents = self._world.contents
-        layout, present = contents.layout, contents.additions.entries
+        layout, present = contents.layout, contents.added.entries
         changes = Changes({}, [], [])
         former = {entry.name: entry for entry in contents.config.models}
         for name, pose in layout.items():
