@@ -8,6 +8,7 @@ A page marks where they are by comments, which Markdown does not show:
     <!-- keys of world layers[] -->                    of a section
     <!-- arguments of flatland_server server.launch -->
     <!-- parameters of navigator -->                   the private parameters of a node
+    <!-- parameters of NODE beyond PACKAGE FILE -->    those that are no arguments of a launch file
     <!-- definitions of flatland_msgs msg -->          up to <!-- end -->
 
 In a table of keys, the code gives all cells but the last, the meaning. Meanings are written in the
@@ -98,10 +99,8 @@ def _row(key: Key, written: Sequence[str]) -> str:
 
 
 def _arguments(file: str, rows: str) -> str:
-    package, name = file.split()
-    root = ElementTree.parse(ROOT / "src" / package / "launch" / name).getroot()
     text = "| argument | default | meaning |\n| --- | --- | --- |\n"
-    for each in root.findall("arg"):
+    for each in _launch_arguments(file):
         if each.get("value") is None:
             default = each.get("default")
             shown = "**required**" if default is None else f"`{default}`" if default.strip() else ""
@@ -109,10 +108,19 @@ def _arguments(file: str, rows: str) -> str:
     return text.replace("|  |", "| |")
 
 
-def _parameters(node: str, rows: str) -> str:
+def _launch_arguments(file: str) -> List[ElementTree.Element]:
+    package, name = file.split()
+    return ElementTree.parse(ROOT / "src" / package / "launch" / name).getroot().findall("arg")
+
+
+def _parameters(subject: str, rows: str) -> str:
+    node, _, file = subject.partition(" beyond ")
+    arguments = {each.get("name") for each in _launch_arguments(file)} if file else set()
     written = {cells[0].strip("`~"): cells[-1] for cells in map(_cells, rows.splitlines()[2:])}
     text = "| parameter | default | meaning |\n| --- | --- | --- |\n"
     for name, default in parameters_of(node):
+        if name in arguments:
+            continue
         shown = str(default).lower() if isinstance(default, bool) else str(default)
         shown = f"`{shown}`" if shown else ""
         text += f"| `~{name}` | {shown} | {written.get(name, '')} |\n"
