@@ -41,8 +41,8 @@ class Navigation:
         settings: what the environments are.
         count: how many there are.
         threads: how many are stepped at a time; results do not depend on it.
-        robots: how many each environment has, m; None: one. If it is given, a single environment is
-            a `Simulation`, also where a batch would do. Results do not depend on that.
+        robots: how many each environment has, m. A single environment of several is a `Simulation`,
+            also where a batch would do. Results do not depend on that.
 
     Attributes:
         metadata: Gymnasium's, of these environments.
@@ -65,14 +65,14 @@ class Navigation:
         settings: NavigationSettings,
         count: int = 1,
         threads: int = 1,
-        robots: Optional[int] = None,
+        robots: int = 1,
     ) -> None:
         self.settings = settings
         self.metadata: Dict[str, Any] = {
             "render_modes": list(RENDER_MODES),
             "render_fps": round(1.0 / settings.period, 3),
         }
-        self._worlds = load_all(settings, robots or 1)
+        self._worlds = load_all(settings, robots)
         self.robot, self.robot_names = self._worlds[0].robot, self._worlds[0].robots
         self._others = tuple(dict.fromkeys(n for world in self._worlds for n in world.others))
         self._radii = np.array([world.radii(self._others) for world in self._worlds])
@@ -80,7 +80,7 @@ class Navigation:
         self.options = {}
         self._fleets: Dict[int, Fleet] = {}
         self._threads = threads
-        self._is_single = robots is not None and count == 1
+        self._is_single = count == 1 and robots > 1
         self.action_space = self.robot.action_space()
         self.observation_space = self.robot.observation_space(settings)
         self._limits = self.robot.actions
@@ -88,7 +88,7 @@ class Navigation:
             self.robot.beams, self.robot.max_range, self.robot.velocity_limits
         )
         self._period, self._longest_episode = settings.period, settings.longest_episode
-        self._team = robots or 1
+        self._team = robots
         count *= self._team
         self.rows = BatchObservation.empty(count, self.robot.beams)
         self._neighbors = Neighbors(self._worlds, settings, count, self._team)

@@ -70,9 +70,12 @@ class RobotSimulation(Fleet):
         return np.concatenate([np.empty((0, 4)), *added])
 
     def step(self, actions: FloatArray, indices: IntArray) -> None:
-        self.drive(indices.tolist(), actions[indices].tolist())
+        self._drive(indices.tolist(), actions[indices].tolist())
 
-    def drive(self, numbers: Sequence[int], commands: Sequence[Sequence[float]]) -> None:
+    def drive(self, command: Sequence[float]) -> None:
+        self._drive((0,), (command,))
+
+    def _drive(self, numbers: Sequence[int], commands: Sequence[Sequence[float]]) -> None:
         """Makes a step of the environment with some robots.
 
         Args:
@@ -166,6 +169,9 @@ class SimulationFleet(Fleet):
             lambda place: self._places[place].step(actions[self._rows_of(place)], numbers[place]),
             list(numbers),
         )
+
+    def drive(self, command: Sequence[float]) -> None:
+        self._places[0].drive(command)
 
     def retire(self, indices: IntArray, leaving: BoolArray) -> None:
         for place, numbers in self._by_place(indices).items():

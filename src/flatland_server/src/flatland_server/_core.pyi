@@ -737,12 +737,13 @@ class SubscriberQueue(metaclass=_Metaclass):
         socket: its file descriptor; the queue has a duplicate of it.
         limit: number of messages that wait while the socket is full; the oldest are dropped. 0 is
             any number.
+        patience: real time for which more of them may wait [s].
 
     Raises:
         RuntimeError: there is no such descriptor, or there are too many.
     """
 
-    def __init__(self, socket: int, limit: int) -> None: ...
+    def __init__(self, socket: int, limit: int, patience: float) -> None: ...
     def send(self, data: bytes) -> bool:
         """Adds a message, and sends all that wait. Returns False if the connection has failed."""
 

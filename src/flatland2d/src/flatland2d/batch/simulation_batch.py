@@ -2,7 +2,7 @@
 
 import os
 from dataclasses import replace
-from typing import Any, List, Mapping, NoReturn, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, List, Mapping, NoReturn, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -281,6 +281,33 @@ class SimulationBatch:
             raise UsageError(str(error)) from None
         self._finish(observation, chosen, driven, is_new=out is None)
         return observation
+
+    def stepper(self, substeps: int, out: BatchObservation) -> Callable[[FloatArray], None]:
+        """A function that does what `step` does with all robots, without its checks.
+
+        A step of one environment takes the core as long as these checks take Python.
+
+        Args:
+            substeps: as for `step`.
+            out: arrays that each call writes to, except for the times.
+
+        Returns:
+            A function of finite commands, shape (robots of all environments, k) of float64.
+
+        Raises:
+            UsageError: `out` does not fit, or the batch is closed.
+        """
+        core, plugins = self._require_open(), self._plugins
+        arrays = self._arrays(self._rows(out))
+        has_noise = any(self._noises)
+
+        def step(commands: FloatArray) -> None:
+            plugins.load(core, None, self._seeds, self._steps)
+            plugins.step(core, None, None, commands, substeps, self._steps, arrays)
+            if has_noise:
+                self._add_noise(out, None, None)
+
+        return step
 
     def reset(
         self,
@@ -649,11 +676,15 @@ class SimulationBatch:
         if is_new and driven is not None and not driven.all():
             self._observe(rows)
             return
+        where = True if mask is None else mask
+        np.multiply(self._steps * self._step_nanoseconds, 1e-9, out=rows.times, where=where)
+        if any(self._noises):
+            self._add_noise(rows, mask, driven)
+
+    def _add_noise(
+        self, rows: BatchObservation, mask: Optional[BoolArray], driven: Optional[BoolArray]
+    ) -> None:
         nanoseconds = self._steps * self._step_nanoseconds
-        if mask is None:
-            np.multiply(nanoseconds, 1e-9, out=rows.times)
-        else:
-            np.multiply(nanoseconds, 1e-9, out=rows.times, where=mask)
         if len(self._noises) == 1:
             ranges = rows.ranges.reshape(self._num_envs, -1)
             self._noises[0].add(ranges, self._seeds, nanoseconds, mask)
