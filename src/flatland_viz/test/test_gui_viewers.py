@@ -26,7 +26,7 @@ def markers_only(frame_rate, size):
 
     Args:
         frame_rate: [Hz].
-        size: of the screen [Qt's pixels].
+        size: the screen's size [Qt's pixels].
     """
     displays = [
         {

@@ -33,7 +33,7 @@ class Episode:
 
     Attributes:
         world: index of the world.
-        seed: of the simulation.
+        seed: the simulation's seed.
         starts: of the robots' origins, in the world.
         goals: x, y [m] in the world, for each robot.
         places: poses of other models, by name.
@@ -74,7 +74,7 @@ class EpisodeSampler:
 
     Args:
         worlds: that episodes choose from.
-        settings: of the environment.
+        settings: the environment's settings.
     """
 
     def __init__(self, worlds: Sequence[NavigationWorld], settings: NavigationSettings) -> None:

@@ -38,7 +38,7 @@ class PeopleMetrics:
     """Measures the distance from the nearest person at control steps.
 
     Args:
-        world: of the robot.
+        world: the robot's world.
         robot: the driven model.
     """
 
@@ -83,7 +83,7 @@ class PeopleMetrics:
         """Measures after a control step; nothing without people.
 
         Args:
-            duration: of the control step [s].
+            duration: the control step's duration [s].
         """
         people = people_of(self._world)
         if people:

@@ -28,7 +28,7 @@ class RayPool:
     """Runs scenarios on a Ray cluster.
 
     Args:
-        settings: of the sweep.
+        settings: the sweep's settings.
         address: of the cluster, such as "auto" or "ray://head:10001"; "local" starts one.
         size: how many scenarios run at a time; None: as many as the cluster has CPUs.
         report: called with a sentence for each worker that has died or was stopped.

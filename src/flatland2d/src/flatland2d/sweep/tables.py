@@ -44,7 +44,7 @@ class Entry:
     """A scenario that is done.
 
     Attributes:
-        result: of the scenario.
+        result: the result of the scenario.
         seconds: of real time.
         attempts: how often it was begun.
     """

@@ -38,7 +38,7 @@ class Changes(NamedTuple):
         """The models of a file with these changes.
 
         Args:
-            models: of the file.
+            models: the models in the file.
         """
         kept = [
             replace(entry, pose=self.poses.get(entry.name, entry.pose))
@@ -131,7 +131,7 @@ class ClientEdits:
         """Moves a model.
 
         Args:
-            name: of the model.
+            name: the model's name.
             pose: its new one.
             extends: as for `edit`.
 
@@ -149,7 +149,7 @@ class ClientEdits:
         """Adds a model, within a context `edit`.
 
         Args:
-            entry: of the model.
+            entry: the model's entry.
 
         Raises:
             FlatlandError: it cannot be added.
@@ -162,7 +162,7 @@ class ClientEdits:
         """Deletes models, unless plugins of one have deleted another.
 
         Args:
-            names: of the models.
+            names: the models' names.
         """
         names = list(names)
         with self.edit(names):
@@ -172,7 +172,7 @@ class ClientEdits:
         """Deletes models for ever, like `delete`.
 
         Args:
-            names: of the models.
+            names: the models' names.
         """
         for name in names:
             if name in self._world.models:
