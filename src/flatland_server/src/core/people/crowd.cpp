@@ -237,7 +237,7 @@ void Crowd::Step(size_t index, const Pose& after, const Twist& motion, Bodies& b
   Lift(index, walks ? std::sin(2.0 * M_PI * stride) : 0.0, bodies);
 }
 
-/// Makes a leg that swings as thin, for lidars, as it is above a lifted foot.
+/// Sets the radius at which lidars see a leg: thinner in its swing, as above a lifted foot.
 void Crowd::Lift(size_t index, double phase, Bodies& bodies) {
   progress_[index].lifted = phase;
   const PersonSettings& person = people_[index];

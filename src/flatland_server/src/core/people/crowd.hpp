@@ -95,14 +95,14 @@ class Crowd {
   /// Puts people with areas at drawn places, away from walls, bodies and each other. One for which
   /// none is found stays.
   void Scatter(Bodies& bodies, const Layers& layers);
-  /// The present room of each person.
+  /// The distances around each person at present.
   std::vector<Room> Rooms(const Bodies& bodies, const Layers& layers);
-  /// Takes what changes of an equal crowd.
+  /// Copies the changing state of an equal crowd.
   void Take(const Crowd& other) {
     clock_ = other.clock_;
     std::copy(other.progress_.begin(), other.progress_.end(), progress_.begin());
   }
-  /// Makes what lidars see follow the state, when that was restored.
+  /// Updates what lidars see after the state was restored.
   void Restore(Bodies& bodies);
 
   size_t size() const { return people_.size(); }
