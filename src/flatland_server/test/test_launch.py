@@ -34,7 +34,7 @@ def run_at_master(run, master):
     return lambda *arguments: run(*arguments, with_port=False, port=master.port)
 
 
-def test_without_a_display_it_says_so_and_goes_on_until_ctrl_c_ends_everything_quietly(run):
+def test_without_a_display_it_runs_until_ctrl_c(run):
     launch = run("--sigint-timeout=60")  # the time after which roslaunch escalates
     launch.wait_for("running")
     launch.wait_for("no display")

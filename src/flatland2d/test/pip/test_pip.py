@@ -200,7 +200,7 @@ def test_a_plugin_package_of_a_ros_workspace_is_installed_by_pip_as_it_is(
     assert has_counted == "True"
 
 
-def test_expressions_are_evaluated_and_environments_say_which_extra_they_need(library, tmp_path):
+def test_expressions_work_and_environments_name_their_extra(library, tmp_path):
     world = tmp_path / "world.yaml"
     world.write_text(
         "properties: {}\nlayers: []\nmodels:\n- name: $eval string.rep('a', 3)\n"
