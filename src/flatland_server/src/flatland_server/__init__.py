@@ -16,7 +16,7 @@ import pkgutil as _pkgutil
 __path__ = _pkgutil.extend_path(__path__, __name__)
 
 try:
-    from flatland_server import _core  # noqa: F401
+    import flatland_server._core as _core  # noqa: F401
 except ImportError as _error:
     from flatland_server.wrong_python import wrong_python as _wrong_python
 
