@@ -14,11 +14,11 @@ import importlib.util
 from typing import TYPE_CHECKING, Any
 
 from flatland2d import MissingPackageError
-from flatland_server.exceptions import pip_install
 from flatland_gym.policy import Policy
 from flatland_gym.rewards import RewardWeights, Transition, navigation_reward
 from flatland_gym.scenarios import SCENARIOS, Scenario
 from flatland_gym.settings import NavigationSettings
+from flatland_server.exceptions import pip_install
 
 __all__ = [
     "SCENARIOS",

@@ -11,12 +11,12 @@ import numpy as np
 from flatland2d import BatchObservation, Simulation, UsageError
 from flatland_gym.episodes import EpisodeSampler, options_of
 from flatland_gym.fleet import Fleet, Motions
-from flatland_gym.reward_functions import evaluate_step
 from flatland_gym.navigation_world import load_all
 from flatland_gym.neighbors import Neighbors
 from flatland_gym.observations import as_dict, goal_distances
 from flatland_gym.pictures import RENDER_MODES, picture, status_line
 from flatland_gym.policy import Policy
+from flatland_gym.reward_functions import evaluate_step
 from flatland_gym.rewards import OtherModels, Transition
 from flatland_gym.settings import NavigationSettings
 from flatland_gym.simulation_fleet import RobotSimulation, make_fleet

@@ -9,8 +9,8 @@ from typing import Any, Dict, List, Tuple
 
 import numpy as np
 
-from flatland_gym.reward_functions import evaluate_step
 from flatland_gym.navigation import Navigation, numbers_of
+from flatland_gym.reward_functions import evaluate_step
 from flatland_gym.rewards import Transition
 from flatland_gym.settings import NavigationSettings
 
@@ -75,7 +75,9 @@ class SingleNavigation(Navigation):
         truncated = not terminated and steps >= self._longest_episode
         return self.formed(self.observe()[0]), reward, terminated, truncated, info
 
-    def _call_functions(self, command: List[float], distance: float, success: bool) -> Tuple[float, bool]:
+    def _call_functions(
+        self, command: List[float], distance: float, success: bool
+    ) -> Tuple[float, bool]:
         """Reward and termination by functions of the settings, which take arrays."""
         state = self.rows
         rewards, terminated = evaluate_step(

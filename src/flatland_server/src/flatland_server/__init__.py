@@ -9,6 +9,7 @@ Modules below are implementation: they may change. Everything but `flatland_serv
 without a ROS master.
 """
 
+import importlib as _importlib
 import pkgutil as _pkgutil
 
 # The extension module is in catkin's devel space. A process that multiprocessing spawns has this
@@ -16,7 +17,7 @@ import pkgutil as _pkgutil
 __path__ = _pkgutil.extend_path(__path__, __name__)
 
 try:
-    import flatland_server._core as _core  # noqa: F401
+    _importlib.import_module("flatland_server._core")
 except ImportError as _error:
     from flatland_server.wrong_python import wrong_python as _wrong_python
 

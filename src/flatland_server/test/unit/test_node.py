@@ -217,9 +217,7 @@ def fail(_: Any) -> None:
     raise RuntimeError("no luck")
 
 
-def test_a_failing_callback_is_reported_and_others_get_the_message(
-    root, transport
-):
+def test_a_failing_callback_is_reported_and_others_get_the_message(root, transport):
     robot, other = root.scoped("robot", "robot/drive"), root.scoped("", "other")
     failures: List[str] = []
     received: List[Any] = []

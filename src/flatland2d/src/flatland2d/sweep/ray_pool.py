@@ -12,7 +12,7 @@ from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Tupl
 from flatland2d.sweep.local_pool import Done, LocalPool
 from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.settings import Scenario, SweepSettings
-from flatland_server.exceptions import FlatlandError
+from flatland_server.exceptions import FlatlandError, pip_install
 
 LOCAL = "local"
 """Instead of an address: starts a cluster on this machine alone."""

@@ -13,7 +13,7 @@ class AddedObjects:
     """Models and walls in the order in which they were added.
 
     Rebuilding the world or a plugin brings back those that come with the world or that plugins add
-    in `on_initialize`: such walls are not recorded, and such models only because they may be deleted.
+    in `on_initialize`. Such walls are not recorded, such models only because they may be deleted.
 
     Attributes:
         entries: by name, those of all models of the world, with the poses at which they were added.

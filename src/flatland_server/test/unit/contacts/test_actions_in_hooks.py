@@ -86,9 +86,7 @@ def test_forces_can_be_applied_in_contact_hooks_before_the_solver(room, hook, pu
         pytest.param(lambda m, b: m.physics.step(DT), id="step"),
     ],
 )
-def test_an_impossible_change_in_a_hook_switches_off_only_its_plugin(
-    room, hook, action, caplog
-):
+def test_an_impossible_change_in_a_hook_switches_off_only_its_plugin(room, hook, action, caplog):
     def try_it(plugin, *_):
         if plugin.label == "bad/p0":
             action(plugin.model, plugin.model.base.physics_body)
