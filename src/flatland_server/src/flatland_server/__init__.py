@@ -19,9 +19,8 @@ __path__ = _pkgutil.extend_path(__path__, __name__)
 try:
     _importlib.import_module("flatland_server._core")
 except ImportError as _error:
-    from flatland_server.wrong_python import wrong_python as _wrong_python
-
-    raise _wrong_python(_error) from None
+    _cause = _importlib.import_module("flatland_server.wrong_python")
+    raise _cause.wrong_python(_error) from None
 
 from flatland_server import messages
 from flatland_server._core import (
