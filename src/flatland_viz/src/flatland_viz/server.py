@@ -162,7 +162,7 @@ class Server(QObject):
         )
 
     def seek(self, time: float) -> None:
-        """Pauses, and goes to a moment of the run [s]."""
+        """Pauses, and goes to a time of the run [s]."""
         self._call("seek", Seek, time)
 
     def reset(self) -> None:
