@@ -33,7 +33,7 @@ class Episode:
 
     Attributes:
         world: index of the world.
-        seed: the simulation's seed.
+        seed: of the simulation.
         starts: of the robots' origins, in the world.
         goals: x, y [m] in the world, for each robot.
         places: poses of other models, by name.
@@ -74,7 +74,7 @@ class EpisodeSampler:
 
     Args:
         worlds: that episodes choose from.
-        settings: the environment's settings.
+        settings: of the environment.
     """
 
     def __init__(self, worlds: Sequence[NavigationWorld], settings: NavigationSettings) -> None:
