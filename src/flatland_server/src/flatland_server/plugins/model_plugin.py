@@ -59,7 +59,7 @@ class ModelPlugin(Plugin):
         message at this time.
 
         Args:
-            timekeeper: the simulated time.
+            timekeeper: has the time.
 
         Returns:
             Anything; a new object each time, which the caller may keep and change.
@@ -85,7 +85,7 @@ class ModelPlugin(Plugin):
 
         Args:
             config: the plugin's configuration.
-            key: the key of the body's name.
+            key: has the body's name.
             default: the name if the key is missing; without it, the key is required.
 
         Returns:
@@ -107,7 +107,7 @@ class ModelPlugin(Plugin):
 
         Args:
             config: the plugin's configuration.
-            key: the key of the list.
+            key: has the list.
         """
         names = config.get_strings(key, ())
         for name in names:
@@ -122,7 +122,7 @@ class ModelPlugin(Plugin):
 
         Args:
             config: the plugin's configuration.
-            key: the key of the joint's name.
+            key: has the joint's name.
 
         Returns:
             The joint. None if there is none of this name; the problem is then noted and raised by
