@@ -5,12 +5,13 @@ into the arrays of a `BatchObservation`, which fleets of several worlds share.
 """
 
 from abc import ABC, abstractmethod
-from typing import List, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 
 from flatland2d import BatchObservation, Simulation, SimulationBatch
 from flatland_gym.episodes import Episode
+from flatland_gym.maps import Maps
 from flatland_gym.navigation_world import NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings
 from flatland_server import BoolArray, FloatArray, IntArray, Segments
@@ -103,6 +104,7 @@ class BatchFleet(Fleet):
         settings: of the environment.
         rows: what the robots measure.
         threads: of the batch.
+        maps: of the settings.
 
     Raises:
         PluginError: a plugin of the world runs in Python at each step.
@@ -114,8 +116,10 @@ class BatchFleet(Fleet):
         settings: NavigationSettings,
         rows: BatchObservation,
         threads: int = 1,
+        maps: Optional[Maps] = None,
     ) -> None:
         super().__init__(world, settings, rows)
+        self._maps = maps
         team = self._team
         count = len(rows.poses) // team
         self._moved = [disc.name for disc in (*world.scattered, *world.obstacles)]
@@ -149,7 +153,11 @@ class BatchFleet(Fleet):
         if self._moved:
             places = self._places
             places[indices] = [[each.places[name] for name in self._moved] for each in episodes]
-        self._batch.reset(mask, seeds, poses, out=self._out, model_poses=places)
+        walls = {}
+        if self._maps is not None:
+            numbers = zip(indices.tolist(), episodes)
+            walls = {k: self._maps[episode.map or 0].walls for k, episode in numbers}
+        self._batch.reset(mask, seeds, poses, out=self._out, model_poses=places, walls=walls)
 
     def added_walls(self, index: int) -> Segments:
         return self._batch.added_walls(index)

@@ -8,6 +8,7 @@ import numpy as np
 from flatland2d import BatchObservation, PluginError, Simulation
 from flatland_gym.episodes import Episode
 from flatland_gym.fleet import BatchFleet, Fleet, Motions
+from flatland_gym.maps import Maps
 from flatland_gym.navigation_world import NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings
 from flatland_server import Body, BoolArray, FloatArray, IntArray, ModelPlugin, Segments
@@ -234,10 +235,20 @@ class SimulationFleet(Fleet):
 
 
 def make_fleet(
-    world: NavigationWorld, settings: NavigationSettings, rows: BatchObservation, threads: int
+    world: NavigationWorld,
+    settings: NavigationSettings,
+    rows: BatchObservation,
+    threads: int,
+    maps: Optional[Maps],
 ) -> Fleet:
-    """The fastest fleet for a world."""
+    """The fastest fleet for a world.
+
+    Raises:
+        PluginError: with maps, a plugin of the world runs in Python at each step.
+    """
     try:
-        return BatchFleet(world, settings, rows, threads)
+        return BatchFleet(world, settings, rows, threads, maps)
     except PluginError:
+        if maps is not None:
+            raise
         return SimulationFleet(world, settings, rows, threads)

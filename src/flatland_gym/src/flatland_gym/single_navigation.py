@@ -72,6 +72,8 @@ class SingleNavigation(Navigation):
             "pose": state.poses[0].copy(),
             "goal": self.goals[0].copy(),
         }
+        if self._maps is not None:
+            info["map"] = self._map_of.item(0)
         truncated = not terminated and steps >= self._longest_episode
         return self.formed(self.observe()[0]), reward, terminated, truncated, info
 
