@@ -24,6 +24,8 @@ _Pair = tuple[float, float]
 _Triple = tuple[float, float, float]
 _PairLike = Numbers
 _TripleLike = Numbers
+_Axis = Sequence[float]
+_Actuators = tuple[_Axis, _Axis, float, int, _TripleLike]
 _Collision = tuple[int, Fixture, Fixture, bool, list[_Pair], _Pair, list[float]]
 
 class _Metaclass(type):
@@ -323,12 +325,16 @@ class WorldBatch(metaclass=_Metaclass):
         With None, they are those of the world. Nothing changes if it has these already.
 
         Raises:
-            ValueError: the world has no layer, or environments begin near walls. Nothing has changed.
+            ValueError: the world has no layer, or environments begin near walls. Nothing has
+                changed.
         """
-    def seed_crowd(
-        self, crowd: Crowd, keys: npt.NDArray[np.uint64], mask: BoolArray | None
+    def seed(
+        self,
+        owner: Crowd | Drive | Tricycle,
+        keys: npt.NDArray[np.uint64],
+        mask: BoolArray | None,
     ) -> None:
-        """Begins other random numbers of a crowd, by a key for each environment (n,)."""
+        """Begins other random numbers of a crowd or a drive, by a key for each environment (n,)."""
     def motions(
         self, bodies: Sequence[Body], mask: BoolArray | None
     ) -> tuple[FloatArray, FloatArray]:
@@ -477,6 +483,7 @@ class Body(_WithoutConstructor):
         self,
         linear_limits: _TripleLike = (0.0, 0.0, 0.0),
         angular_limits: _TripleLike = (0.0, 0.0, 0.0),
+        actuators: _Actuators | None = None,
     ) -> Drive:
         """Adds a drive, which moves the body at commanded velocities.
 
@@ -485,6 +492,10 @@ class Body(_WithoutConstructor):
         Args:
             linear_limits: of the planar velocity [m/s^2, m/s^2, m/s].
             angular_limits: of the yaw rate [rad/s^2, rad/s^2, rad/s].
+            actuators: (linear, angular, command_timeout, key, force): each axis (delay [s],
+                time_constant [s], dead_band, noise); the timeout [s], 0 for none; the key of the
+                noise; (max_force [N], max_torque [N m], friction), 0 for no limit. None: the body
+                has the velocities of the commands at once.
         """
     def add_tricycle(
         self,
@@ -493,6 +504,7 @@ class Body(_WithoutConstructor):
         max_steer_angle: float = 0.0,
         linear_limits: _TripleLike = (0.0, 0.0, 0.0),
         steering_limits: _TripleLike = (0.0, 0.0, 0.0),
+        actuators: _Actuators | None = None,
     ) -> Tricycle:
         """Adds the drive of a tricycle, the front wheel of which is at the body's origin.
 
@@ -505,6 +517,7 @@ class Body(_WithoutConstructor):
             max_steer_angle: largest magnitude of the steering angle [rad]; 0 for no limit.
             linear_limits: of the front wheel's speed [m/s^2, m/s^2, m/s].
             steering_limits: of the steering rate [rad/s^2, rad/s^2, rad/s].
+            actuators: as of `add_drive`; the angular axis is that of the steering angle.
         """
     def add_tween(
         self, delta: _TripleLike, duration: float, mode: str = "yoyo", easing: str = "linear"
@@ -1281,12 +1294,13 @@ def lower_to_walls(
         side: of a square [m].
     """
 
-def connected(free: BoolArray, start: tuple[int, int]) -> BoolArray:
+def connected(free: BoolArray, start: tuple[int, int] | None) -> BoolArray:
     """The free squares that are connected with one through shared sides: a new array.
 
     Args:
         free: shape (rows, columns).
-        start: row and column of that square. If it is not free, there are none.
+        start: row and column of that square. If it is not free, there are none. With None, they are
+            the largest part that is connected.
 
     Raises:
         ValueError: the start is outside.
