@@ -19,6 +19,7 @@ from flatland_gym.rewards import RewardWeights, Transition, navigation_reward
 from flatland_gym.rooms import Rooms
 from flatland_gym.scenarios import SCENARIOS, Scenario
 from flatland_gym.settings import NavigationSettings
+from flatland_server.exceptions import pip_install
 
 __all__ = [
     "SCENARIOS",
@@ -65,5 +66,5 @@ def __getattr__(name: str) -> Any:
     """Raises the error for environments if Gymnasium is missing or too old."""
     if name in __all__:
         wanted = "Gymnasium 1.1" if "NavigationEnv" in globals() else "Gymnasium"
-        raise MissingPackageError(f"{name} needs {wanted}: pip install 'flatland2d[gym]'")
+        raise MissingPackageError(f"{name} needs {wanted}: {pip_install('gym')}")
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

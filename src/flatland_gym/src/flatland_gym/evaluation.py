@@ -13,7 +13,7 @@ class StraightDriver:
     """Turns to the goal and drives at it, whatever is in the way: shows how much a world asks for.
 
     Args:
-        beams: of the lidar.
+        beams: number of the lidar's beams.
         size: of an action: the speed comes first, what turns the robot last.
         speed: at most that of the robot [m/s].
     """
@@ -48,7 +48,7 @@ def evaluate(
 
     Args:
         policy: drives the robot.
-        seeds: of the environments.
+        seeds: the environments' seeds.
         threads: how many are stepped at a time.
         arguments: of the environment; see `NavigationSettings`.
 

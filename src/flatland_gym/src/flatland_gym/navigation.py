@@ -11,7 +11,6 @@ import numpy as np
 from flatland2d import BatchObservation, Simulation, UsageError
 from flatland_gym.episodes import EpisodeSampler, options_of
 from flatland_gym.fleet import Fleet, Motions
-from flatland_gym.judging import frozen, judge
 from flatland_gym.maps import Maps
 from flatland_gym.navigation_world import load_all
 from flatland_gym.neighbors import Neighbors
@@ -19,6 +18,7 @@ from flatland_gym.observations import as_dict, goal_distances
 from flatland_gym.parts import Known, Parts, Situation, parts_of
 from flatland_gym.pictures import RENDER_MODES, picture, status_line
 from flatland_gym.policy import Policy
+from flatland_gym.reward_functions import evaluate_step, frozen
 from flatland_gym.rewards import OtherModels, Transition
 from flatland_gym.settings import NavigationSettings
 from flatland_gym.simulation_fleet import RobotSimulation, make_fleet
@@ -203,7 +203,7 @@ class Navigation:
             self._period,
             self._models(indices),
         )
-        rewards, terminated = judge(transition, settings)
+        rewards, terminated = evaluate_step(transition, settings)
         if len(indices) == len(distances):  # quicker than with a mask
             self.distances, self.successes = distances, successes
             return rewards, terminated.copy(), ~terminated & (self.steps >= self._longest_episode)

@@ -318,7 +318,7 @@ class Scale:
     """Normalises observations by their means and standard deviations so far.
 
     Args:
-        size: of an observation.
+        size: length of an observation.
     """
 
     def __init__(self, size: int) -> None:

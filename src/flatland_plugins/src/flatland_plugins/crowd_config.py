@@ -189,7 +189,7 @@ class WalkConfig:
     Attributes:
         layers: their collision layers; they avoid the walls of these.
         layer_bits: the bits of these layers.
-        update_rate: of the forces [Hz].
+        update_rate: the forces' update rate [Hz].
         goal_radius: distance at which a goal counts as reached [m].
         force: the social force model.
         orca: moves them instead of the forces.

@@ -9,11 +9,18 @@ Modules below are implementation: they may change. Everything but `flatland_serv
 without a ROS master.
 """
 
+import importlib as _importlib
 import pkgutil as _pkgutil
 
 # The extension module is in catkin's devel space. A process that multiprocessing spawns has this
 # folder before it in sys.path, since the package there has put it there.
 __path__ = _pkgutil.extend_path(__path__, __name__)
+
+try:
+    _importlib.import_module("flatland_server._core")
+except ImportError as _error:
+    _cause = _importlib.import_module("flatland_server.wrong_python")
+    raise _cause.wrong_python(_error) from None
 
 from flatland_server import messages
 from flatland_server._core import (

@@ -42,7 +42,7 @@ def poses_of(
 
     Args:
         value: what a program has passed, of the shape (*rows, 3).
-        name: of the argument.
+        name: the argument's name.
         rows: number of environments; perhaps that of robots or models in each.
         mask: which environments, or which of the poses, matter; None: all.
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from flatland2d.sweep.intervals import CONFIDENCE
 from flatland2d.sweep.metrics import SUMMARISED
-from flatland_server.exceptions import FlatlandError, MissingPackageError
+from flatland_server.exceptions import FlatlandError, MissingPackageError, pip_install
 
 _RESAMPLES = 9999
 
@@ -61,8 +61,8 @@ def require_scipy() -> None:
         import scipy.stats  # noqa: F401
     except ImportError as error:
         raise MissingPackageError(
-            "comparisons need SciPy: apt-get install python3-scipy, or pip install "
-            f"'flatland2d[sweep]' ({str(error).splitlines()[0]})"
+            f"comparisons need SciPy: apt-get install python3-scipy, or {pip_install('sweep')} "
+            f"({str(error).splitlines()[0]})"
         ) from None
 
 

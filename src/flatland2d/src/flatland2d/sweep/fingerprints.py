@@ -35,7 +35,7 @@ class Fingerprints:
     """Computes the fingerprints of a sweep's scenarios, and so checks its worlds and controllers.
 
     Args:
-        settings: of the sweep.
+        settings: the sweep's settings.
 
     Attributes:
         unused: the parameters that change nothing: no file reads them, and no controller takes

@@ -63,7 +63,7 @@ def barn_score(success: bool, shortest: float, time: float, top_speed: float) ->
     Constrained Spaces", 2022), with the factors of its run.py of 2026: at most 0.5.
 
     Args:
-        success: of the run.
+        success: whether the run has reached its goal.
         shortest: length of the shortest path [m], above 0.
         time: until the goal was reached [s].
         top_speed: of the robot [m/s]; 2 in the challenge.
@@ -85,7 +85,7 @@ def motion_metrics(times: Sequence[float], poses: Sequence[Pose]) -> Dict[str, O
     (2023); N. Perez-Higueras et al., "HuNavSim" (2023).
 
     Args:
-        times: of the poses [s].
+        times: the poses' times [s].
         poses: of the robot, one more than control steps.
     """
     t, (x, y, yaw) = np.asarray(times), np.array(poses).reshape(-1, 3).T

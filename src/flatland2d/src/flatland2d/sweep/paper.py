@@ -20,7 +20,7 @@ from flatland2d.sweep.comparison import comparable
 from flatland2d.sweep.metrics import SUMMARISED, Metric
 from flatland2d.sweep.run import ESTIMATE_ENDS
 from flatland2d.sweep.tables import text_of
-from flatland_server.exceptions import MissingPackageError
+from flatland_server.exceptions import MissingPackageError, pip_install
 
 _LATEX = {
     **{each: f"\\{each}" for each in "&%$#_{}"},
@@ -163,8 +163,8 @@ def figure(summary: Summary) -> bytes:
         from matplotlib.figure import Figure
     except ImportError as error:
         raise MissingPackageError(
-            "the figure needs matplotlib: apt-get install python3-matplotlib, or pip install "
-            f"'flatland2d[sweep]' ({str(error).splitlines()[0]})"
+            "the figure needs matplotlib: apt-get install python3-matplotlib, or "
+            f"{pip_install('sweep')} ({str(error).splitlines()[0]})"
         ) from None
     metrics = [name for name in SUMMARISED if any(row.get(name) for row in summary)]
     groups, controllers = _groups(summary), _controllers(summary)

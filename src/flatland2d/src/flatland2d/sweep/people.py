@@ -46,7 +46,7 @@ class PeopleMetrics:
     """Measures the distance from the nearest person at control steps.
 
     Args:
-        world: of the robot.
+        world: the robot's world.
         robot: the driven model.
     """
 
@@ -93,7 +93,7 @@ class PeopleMetrics:
         """Measures after a control step; nothing while there are no people.
 
         Args:
-            duration: of the control step [s].
+            duration: the control step's duration [s].
         """
         self._time += duration
         groups = [group for plugin in self._grouping for group in plugin.groups]

@@ -17,7 +17,7 @@ from flatland2d.sweep.run import ESTIMATE_ENDS, METRICS
 from flatland2d.sweep.runner import Result
 from flatland2d.sweep.settings import Scenario
 from flatland_server.config.input_files import replacing
-from flatland_server.exceptions import FlatlandError, MissingPackageError
+from flatland_server.exceptions import FlatlandError, MissingPackageError, pip_install
 
 BOOL, INT, FLOAT, STRING = "bool", "int64", "float64", "string"
 
@@ -44,7 +44,7 @@ class Entry:
     """A scenario that is done.
 
     Attributes:
-        result: of the scenario.
+        result: the result of the scenario.
         seconds: of real time.
         attempts: how often it was begun.
     """
@@ -178,8 +178,8 @@ def parquet(table: Table) -> bytes:
         import pyarrow.parquet
     except ImportError as error:
         raise MissingPackageError(
-            "a Parquet file needs pyarrow: pip install 'flatland2d[sweep]', or in a ROS workspace "
-            f"as docs/sweeps.md says under Parquet and Ray ({str(error).splitlines()[0]})"
+            f"a Parquet file needs pyarrow: {pip_install('sweep')}, or in a ROS workspace as "
+            f"docs/sweeps.md says under Parquet and Ray ({str(error).splitlines()[0]})"
         ) from None
     types = {
         BOOL: pyarrow.bool_(),

@@ -28,7 +28,7 @@ def test_worlds_may_be_names_and_maps(settings_of):
     assert [each.task.goal_radius for each in settings.worlds][1:] == [0.5, 0.3]
 
 
-def test_scenarios_are_in_the_order_of_worlds_controllers_parameters_and_seeds(settings_of):
+def test_scenarios_are_ordered_by_world_controller_parameters_seed(settings_of):
     settings = settings_of(
         worlds="[office, world.yaml]",
         controllers='[{name: a, call: "drivers.py:ahead"}, {name: none}]',

@@ -5,7 +5,7 @@
 
 #include "base/box2d_limits.hpp"
 #include "base/to_box2d.hpp"
-#include "people/surroundings.hpp"
+#include "people/obstacles.hpp"
 #include "world/layers.hpp"
 
 namespace flatland {
@@ -285,7 +285,7 @@ void Crowd::Step(size_t index, const Pose& after, const Twist& motion, Bodies& b
   Lift(index, walks ? std::sin(2.0 * M_PI * stride) : 0.0, bodies);
 }
 
-/// Makes a leg that swings as thin, for lidars, as it is above a lifted foot.
+/// Sets the radius at which lidars see a leg: thinner in its swing, as above a lifted foot.
 void Crowd::Lift(size_t index, double phase, Bodies& bodies) {
   progress_[index].lifted = phase;
   const PersonSettings& person = people_[index];

@@ -5,7 +5,7 @@
 /// A crowd sets the velocities of its people at its updates, several times a second. Between two
 /// updates Box2D moves them, and resolves collisions: they are bodies like others, without a drive.
 /// The next update starts from the result. In an update, each person chooses a velocity by the
-/// forces of what is around it (social_force.hpp, surroundings.hpp), or by ORCA (orca.hpp), or
+/// forces of what is around it (social_force.hpp, obstacles.hpp), or by ORCA (orca.hpp), or
 /// follows an agent of another program; then turns that way, and its legs step.
 ///
 /// Dynamic bodies that are no people are robots. A person may give way to them late, or not at all:
@@ -100,14 +100,14 @@ class Crowd {
   /// Puts people with areas at drawn places, away from walls, bodies and each other: one for which
   /// none is found stays. Puts those that follow a recording where it begins.
   void Scatter(Bodies& bodies, const Layers& layers);
-  /// The present room of each person.
+  /// The distances around each person at present.
   std::vector<Room> Rooms(const Bodies& bodies, const Layers& layers);
-  /// Takes what changes of an equal crowd.
+  /// Copies the changing state of an equal crowd.
   void Take(const Crowd& other) {
     clock_ = other.clock_;
     std::copy(other.progress_.begin(), other.progress_.end(), progress_.begin());
   }
-  /// Makes what lidars see follow the state, when that was restored.
+  /// Updates what lidars see after the state was restored.
   void Restore(Bodies& bodies);
 
   size_t size() const { return people_.size(); }

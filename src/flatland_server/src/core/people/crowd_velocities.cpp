@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "people/crowd.hpp"
-#include "people/surroundings.hpp"
+#include "people/obstacles.hpp"
 #include "world/layers.hpp"
 
 namespace flatland {

@@ -162,7 +162,7 @@ class Plugin:
 
         Args:
             config: the plugin's configuration.
-            key: has the frame.
+            key: the key of the frame.
             default: the frame if the key is missing; without it, the key is required.
         """
         frame_id = config.get_frame(key, default)
@@ -199,14 +199,14 @@ class Plugin:
         request it; see `Lidar.expect_scan`.
 
         Args:
-            timekeeper: has the time, t.
+            timekeeper: the simulated time, t.
         """
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Called before the physics.
 
         Args:
-            timekeeper: has the time, t.
+            timekeeper: the simulated time, t.
         """
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
@@ -255,7 +255,7 @@ class Plugin:
 
         Args:
             canvas: the picture.
-            timekeeper: has the time.
+            timekeeper: the simulated time.
         """
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
@@ -265,7 +265,7 @@ class Plugin:
         first time (`Simulation.last`). It changes nothing that the plugin publishes later.
 
         Args:
-            timekeeper: has the time.
+            timekeeper: the simulated time.
         """
 
     def on_shutdown(self) -> None:

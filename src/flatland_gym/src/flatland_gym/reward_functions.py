@@ -10,7 +10,9 @@ from flatland_gym.settings import NavigationSettings
 from flatland_server import BoolArray, FloatArray
 
 
-def judge(transition: Transition, settings: NavigationSettings) -> Tuple[FloatArray, BoolArray]:
+def evaluate_step(
+    transition: Transition, settings: NavigationSettings
+) -> Tuple[FloatArray, BoolArray]:
     """Rewards and terminations of n environments, by the settings' functions if there are any.
 
     Raises:
