@@ -35,6 +35,7 @@ plugins:
 """
 WORLDS = {
     "DiffDrive": {},
+    "AckermannDrive": {"drive": "AckermannDrive"},
     "OmniDrive": {"drive": "OmniDrive"},
     "TricycleDrive": {"drive": "TricycleDrive"},
     "crowd": {"models": WORLD + CROWD},

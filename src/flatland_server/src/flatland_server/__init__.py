@@ -19,6 +19,7 @@ from flatland_server import messages
 from flatland_server._core import (
     EASINGS,
     TWEEN_MODES,
+    Ackermann,
     BeamFan,
     Body,
     BodyMessage,
@@ -82,6 +83,7 @@ __all__ = [
     "EASINGS",
     "REQUIRED",
     "TWEEN_MODES",
+    "Ackermann",
     "BatchMotion",
     "BatchRole",
     "BeamFan",

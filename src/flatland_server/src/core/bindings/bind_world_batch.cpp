@@ -190,6 +190,8 @@ BatchRobot ToRobot(const PyRobot& values) {
   robot.base = ToPose(base);
   if (py::isinstance<PyTricycle>(drive)) {
     robot.drive = drive.cast<const PyTricycle&>().handle;
+  } else if (py::isinstance<PyAckermann>(drive)) {
+    robot.drive = drive.cast<const PyAckermann&>().handle;
   } else {
     robot.drive = drive.cast<const PyDrive&>().handle;
   }

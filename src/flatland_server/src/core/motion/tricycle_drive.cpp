@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/box2d_limits.hpp"
+#include "motion/steered_wheel.hpp"
 
 namespace flatland {
 
@@ -52,24 +53,7 @@ void TricycleDrive::BeginStep(b2Body& body, double dt) {
 void TricycleDrive::EndStep(b2Body& body) {
   motion_.End(body, TwistAt(speed_, steering_.angle));
   if (front_wheel_ == nullptr) return;
-  const bool wheel_is_b = front_wheel_->GetBodyA() == &body;
-  b2Body& wheel = wheel_is_b ? *front_wheel_->GetBodyB() : *front_wheel_->GetBodyA();
-  double angle = heading_ + steering_.angle;
-  if (front_wheel_->IsLimitEnabled()) {  // of b's angle minus a's, whole rotations included
-    const double lower =
-        wheel_is_b ? front_wheel_->GetLowerLimit() : -front_wheel_->GetUpperLimit();
-    const double upper =
-        wheel_is_b ? front_wheel_->GetUpperLimit() : -front_wheel_->GetLowerLimit();
-    const double middle = 0.5 * (lower + upper);
-    angle = std::clamp(middle + WrappedAngle(angle - middle), lower, upper);
-  }
-  const b2Vec2 hub = wheel_is_b ? front_wheel_->GetLocalAnchorA() : front_wheel_->GetLocalAnchorB();
-  const b2Vec2 on_wheel =
-      wheel_is_b ? front_wheel_->GetLocalAnchorB() : front_wheel_->GetLocalAnchorA();
-  const float yaw = static_cast<float>(body.GetAngle() + angle);
-  wheel.SetTransform(body.GetWorldPoint(hub) - b2Mul(b2Rot(yaw), on_wheel), yaw);
-  wheel.SetLinearVelocity(body.GetLinearVelocityFromLocalPoint(hub));
-  wheel.SetAngularVelocity(body.GetAngularVelocity());
+  PlaceSteeredWheel(*front_wheel_, body, heading_ + steering_.angle);
 }
 
 }  // namespace flatland

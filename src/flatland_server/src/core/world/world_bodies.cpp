@@ -121,8 +121,10 @@ void World::Halt(Body body) {
   b2Body& found = Find(body);
   found.SetLinearVelocity(b2Vec2_zero);
   found.SetAngularVelocity(0.0f);
-  mechanisms_.drives.ForEachOn(body, [](auto, BodyDrive& drive) { drive.Reset(); });
-  mechanisms_.tricycles.ForEachOn(body, [](auto, TricycleDrive& drive) { drive.Reset(); });
+  const auto reset = [](auto, auto& drive) { drive.Reset(); };
+  mechanisms_.drives.ForEachOn(body, reset);
+  mechanisms_.tricycles.ForEachOn(body, reset);
+  mechanisms_.cars.ForEachOn(body, reset);
 }
 
 Vec2 World::ToWorldPoint(Body body, Vec2 point) const {

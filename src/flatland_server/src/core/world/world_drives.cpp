@@ -20,14 +20,29 @@ World::Drive World::AddDrive(Body body, const DynamicsLimits& linear,
 }
 
 World::Tricycle World::AddTricycle(Body body, Joint front_wheel, const TricycleSettings& settings) {
-  const b2Body& base = Find(body);
+  b2RevoluteJoint* const joint = FindWheel(body, front_wheel);
   const AccessGuard guard(*this);
-  b2Joint* joint = joints_.Get(front_wheel);
+  return mechanisms_.tricycles.Add({body, TricycleDrive(settings, joint)});
+}
+
+World::Ackermann World::AddAckermann(Body body, const std::vector<Joint>& wheels,
+                                     const AckermannSettings& settings) {
+  std::array<b2RevoluteJoint*, 2> joints{};
+  Require(wheels.size() <= joints.size(), "a car has two steered wheels at most");
+  for (size_t i = 0; i < wheels.size(); ++i) joints[i] = FindWheel(body, wheels[i]);
+  Find(body);
+  const AccessGuard guard(*this);
+  Require(!bodies_.Get(body).is_layer, kNotALayer);
+  return mechanisms_.cars.Add({body, AckermannDrive(settings, joints)});
+}
+
+b2RevoluteJoint* World::FindWheel(Body body, Joint wheel) const {
+  const b2Body& base = Find(body);
+  b2Joint* const joint = joints_.Get(wheel);
   Require(joint->GetType() == e_revoluteJoint &&
               (joint->GetBodyA() == &base || joint->GetBodyB() == &base),
-          "the front wheel's joint must be a revolute joint of the driven body");
-  return mechanisms_.tricycles.Add(
-      {body, TricycleDrive(settings, static_cast<b2RevoluteJoint*>(joint))});
+          "a steered wheel's joint must be a revolute joint of the driven body");
+  return static_cast<b2RevoluteJoint*>(joint);
 }
 
 World::Tween World::AddTween(Body body, const TweenSettings& settings) {
