@@ -3,6 +3,7 @@
 import math
 from typing import Any, List, Optional, Tuple
 
+from flatland_plugins.actuators import Actuators
 from flatland_plugins.twist_drive import TwistDrive, read_dynamics
 from flatland_plugins.wheel_joints import TOLERANCE, get_wheel
 from flatland_server import CoreDrive, Joint, ModelBody, YamlReader
@@ -32,6 +33,7 @@ class AckermannDrive(TwistDrive):
         self._twist_has_angle = config.get_bool("cmd_angle_instead_rotvel", False)
         linear, angular = config.read_once(read_dynamics)
         jerk_limit = config.get_float("jerk_limit", 0.0, minimum=0.0)
+        actuators = config.read_once(Actuators.read, True)
         wheels = self._steered_wheels(config, body)
         single_track = self._single_track(config)
         config.finish()
@@ -43,6 +45,7 @@ class AckermannDrive(TwistDrive):
             jerk_limit=jerk_limit,
             steering_limits=angular,
             single_track=single_track,
+            actuators=actuators.for_core(self.rng),
         )
         if single_track is not None and body.config.type == "dynamic":
             mass, inertia, center = single_track[:3]
@@ -50,7 +53,8 @@ class AckermannDrive(TwistDrive):
         kinds = ("AckermannDriveStamped", "AckermannDrive")
         for topic, kind, obey in zip(topics, kinds, (self._on_stamped, self._on_ackermann)):
             self.subscribe_commands(topic, f"ackermann_msgs/{kind}", obey)
-        return CoreDrive(self._car, (0, 1), (linear.velocity_limit, max_steer_angle))
+        limits = (linear.velocity_limit, max_steer_angle)
+        return CoreDrive(self._car, (0, 1), limits, actuators.is_random)
 
     def on_twist(self, twist: Any) -> None:
         """Steers so as to turn at the rate of a Twist: v tan(angle) = wheelbase * yaw rate."""

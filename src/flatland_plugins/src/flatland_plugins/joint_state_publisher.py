@@ -51,6 +51,7 @@ class JointStatePublisher(ModelPlugin):
             self._joints.append(joint)
         config.finish()
         self.update_timer = UpdateTimer(update_rate)
+        self._frame_id = self.name_space_tf(self.model.base.name)
         self._names = tuple(each.name for each in self._joints)
         self._publisher = self.node.advertise(topic, "sensor_msgs/JointState")
 
@@ -64,7 +65,7 @@ class JointStatePublisher(ModelPlugin):
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
         name, position, velocity, effort = map(list, self.read(timekeeper))
-        head = header(timekeeper.nanoseconds, "")
+        head = header(timekeeper.nanoseconds, self._frame_id)
         self._publisher.publish(
             JointState(header=head, name=name, position=position, velocity=velocity, effort=effort)
         )

@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+from flatland_plugins.actuators import Actuators
 from flatland_plugins.dynamics_limits import DynamicsLimits
 from flatland_plugins.twist_drive import TwistDrive, read_dynamics
 from flatland_plugins.wheel_joints import TOLERANCE, get_wheel
@@ -44,13 +45,19 @@ class TricycleDrive(TwistDrive):
         config.warn_of_degrees(max_steer_angle, "max_steer_angle")
         linear, angular = read_dynamics(config)
         angular = _with_deprecated(config, angular)
+        actuators = config.read_once(Actuators.read, True)
         config.finish()
         assert front is not None  # or there was a problem
         self._tricycle = body.physics_body.add_tricycle(
-            front[0].physics_joint, axle, max_steer_angle, linear, angular
+            front[0].physics_joint,
+            axle,
+            max_steer_angle,
+            linear,
+            angular,
+            actuators.for_core(self.rng),
         )
         limits = (linear.velocity_limit, max_steer_angle)
-        return CoreDrive(self._tricycle, (0, 1), limits)
+        return CoreDrive(self._tricycle, (0, 1), limits, actuators.is_random)
 
     def on_twist(self, twist: Any) -> None:
         self.command(twist.linear.x, twist.angular.z)

@@ -6,6 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from typing import Any, Callable, ClassVar, Tuple
 
+from flatland_plugins.actuators import Actuators
 from flatland_plugins.dynamics_limits import DynamicsLimits
 from flatland_plugins.odometry import OdometryPlugin
 from flatland_plugins.odometry_config import OdometryConfig
@@ -117,10 +118,13 @@ class VelocityDrive(TwistDrive):
 
     def add_drive(self, config: YamlReader, body: ModelBody) -> CoreDrive:
         linear, angular = config.read_once(read_dynamics)
+        actuators = config.read_once(Actuators.read)
         config.finish()
-        self._drive = body.physics_body.add_drive(linear, angular)
+        self._drive = body.physics_body.add_drive(linear, angular, actuators.for_core(self.rng))
         limits = (linear.velocity_limit, linear.velocity_limit, angular.velocity_limit)
-        return CoreDrive(self._drive, self.columns, tuple(limits[k] for k in self.columns))
+        return CoreDrive(
+            self._drive, self.columns, tuple(limits[k] for k in self.columns), actuators.is_random
+        )
 
 
 def read_dynamics(config: YamlReader) -> Tuple[DynamicsLimits, DynamicsLimits]:

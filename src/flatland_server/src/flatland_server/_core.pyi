@@ -24,6 +24,8 @@ _Pair = tuple[float, float]
 _Triple = tuple[float, float, float]
 _PairLike = Numbers
 _TripleLike = Numbers
+_Axis = Sequence[float]
+_Actuators = tuple[_Axis, _Axis, float, int]
 _Collision = tuple[int, Fixture, Fixture, bool, list[_Pair], _Pair, list[float]]
 
 class _Metaclass(type):
@@ -299,10 +301,13 @@ class WorldBatch(metaclass=_Metaclass):
 
         The new one has made no step, and has the same bodies, drives and lidars; it is copied.
         """
-    def seed_crowd(
-        self, crowd: Crowd, keys: npt.NDArray[np.uint64], mask: BoolArray | None
+    def seed(
+        self,
+        owner: Crowd | Drive | Tricycle | Ackermann,
+        keys: npt.NDArray[np.uint64],
+        mask: BoolArray | None,
     ) -> None:
-        """Begins other random numbers of a crowd, by a key for each environment (n,)."""
+        """Begins other random numbers of a crowd or a drive, by a key for each environment (n,)."""
     def motions(
         self, bodies: Sequence[Body], mask: BoolArray | None
     ) -> tuple[FloatArray, FloatArray]:
@@ -451,6 +456,7 @@ class Body(_WithoutConstructor):
         self,
         linear_limits: _TripleLike = (0.0, 0.0, 0.0),
         angular_limits: _TripleLike = (0.0, 0.0, 0.0),
+        actuators: _Actuators | None = None,
     ) -> Drive:
         """Adds a drive, which moves the body at commanded velocities.
 
@@ -459,6 +465,9 @@ class Body(_WithoutConstructor):
         Args:
             linear_limits: of the planar velocity [m/s^2, m/s^2, m/s].
             angular_limits: of the yaw rate [rad/s^2, rad/s^2, rad/s].
+            actuators: (linear, angular, command_timeout, key), each axis (delay, time_constant,
+                dead_band, noise); the timeout in s, 0 for none; the key of the noise. None: the
+                body follows a command at once.
         """
     def add_tricycle(
         self,
@@ -467,6 +476,7 @@ class Body(_WithoutConstructor):
         max_steer_angle: float = 0.0,
         linear_limits: _TripleLike = (0.0, 0.0, 0.0),
         steering_limits: _TripleLike = (0.0, 0.0, 0.0),
+        actuators: _Actuators | None = None,
     ) -> Tricycle:
         """Adds the drive of a tricycle, the front wheel of which is at the body's origin.
 
@@ -479,6 +489,7 @@ class Body(_WithoutConstructor):
             max_steer_angle: largest magnitude of the steering angle [rad]; 0 for no limit.
             linear_limits: of the front wheel's speed [m/s^2, m/s^2, m/s].
             steering_limits: of the steering rate [rad/s^2, rad/s^2, rad/s].
+            actuators: as of `add_drive`; the angular axis is that of the steering angle.
         """
     def add_ackermann(
         self,
@@ -490,6 +501,7 @@ class Body(_WithoutConstructor):
         jerk_limit: float = 0.0,
         steering_limits: _TripleLike = (0.0, 0.0, 0.0),
         single_track: Sequence[float] | None = None,
+        actuators: _Actuators | None = None,
     ) -> Ackermann:
         """Adds the drive of a car, the rear axle of which has its middle at the body's origin.
 
@@ -507,6 +519,7 @@ class Body(_WithoutConstructor):
                 inertia [kg m^2], the centre of mass in front of the rear axle [m] and its height
                 [m], the coefficient of friction, and the cornering stiffness of the front and of
                 the rear axle [1/rad]; see ackermann_drive.hpp. None: no tyre slips.
+            actuators: as of `add_tricycle`.
         """
     def add_tween(
         self, delta: _TripleLike, duration: float, mode: str = "yoyo", easing: str = "linear"

@@ -91,6 +91,7 @@ std::unique_ptr<SharedState> SharedWorld::MakeState() {
   state->bytes_ = empty_;
   state->held_.resize(world_->layers_->nearby().size());
   state->nearby_.resize(world_->bodies_.Moving().size());
+  world_->mechanisms_.ForEachLine([&](DelayLine&) { state->lines_.emplace_back(); });
   beginning_.Restore(Entered(*this, *state).world());
   return state;
 }
@@ -116,6 +117,8 @@ void SharedWorld::ExchangeOwn(SharedState& state) {
   for (const auto& each : world_->layers_->nearby()) each->Exchange(*held++);
   auto nearby = state.nearby_.begin();
   for (BodyRecord* const record : world_->bodies_.Moving()) std::swap(record->nearby, *nearby++);
+  auto line = state.lines_.begin();
+  world_->mechanisms_.ForEachLine([&](DelayLine& each) { std::swap(each, *line++); });
 }
 
 void SharedWorld::Enter(SharedState& state) {

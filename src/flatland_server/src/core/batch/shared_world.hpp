@@ -11,7 +11,8 @@
 ///   their fixtures, and joints; drives, tweens and crowds. These objects stay at their places, so
 ///   all pointers between them stay right.
 /// - What a state alone has, because Box2D made it in this state, stays where it is: contacts, the
-///   walls near bodies, and the tree of bounding boxes. Only the pointers to it are exchanged.
+///   walls near bodies, and the tree of bounding boxes; and commands that are under way. Only the
+///   pointers to it are exchanged.
 ///
 /// So a state makes, bit for bit, the steps that a World of its own makes.
 
@@ -36,6 +37,7 @@ class SharedState {
   b2BroadPhase broad_phase_;                // with the tree of bounding boxes
   std::vector<NearbyWalls::Held> held_;     // of each layer
   std::vector<BodyRecord::Nearby> nearby_;  // of each body that may move
+  std::vector<DelayLine> lines_;            // of the drives' actuators
 };
 
 class SharedWorld {
@@ -83,8 +85,13 @@ class SharedWorld {
   }
   template <class Mechanism>
   void AddRanges(SlotMap<Mounted<Mechanism>>& mechanisms) {
-    static_assert(std::is_trivially_copyable_v<Mechanism>);
-    mechanisms.ForEach([this](auto, Mounted<Mechanism>& each) { AddRange(each.mechanism); });
+    mechanisms.ForEach([this](auto, Mounted<Mechanism>& each) {
+      if constexpr (std::is_trivially_copyable_v<Mechanism>) {
+        AddRange(each.mechanism);
+      } else {
+        each.mechanism.ForEachPart([this](auto& part) { AddRange(part); });
+      }
+    });
   }
   void Enter(SharedState& state);
   void Leave(SharedState& state);

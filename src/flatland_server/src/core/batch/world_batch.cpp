@@ -247,8 +247,10 @@ void WorldBatch::Replace(int row, const World& world) {
   std::fill_n(collided_.begin() + first, robot_count(), false);
 }
 
-void WorldBatch::SeedCrowd(const bool* mask, World::CrowdHandle crowd, const uint64_t* keys) {
-  ForEach(mask, 1, [&](World& world, Environment&, int row) { world.Get(crowd).Seed(keys[row]); });
+void WorldBatch::Seed(const bool* mask, const Random& random, const uint64_t* keys) {
+  ForEach(mask, 1, [&](World& world, Environment&, int row) {
+    std::visit([&](auto handle) { world.Get(handle).Seed(keys[row]); }, random);
+  });
 }
 
 void WorldBatch::GetMotions(const bool* mask, const std::vector<World::Body>& bodies, double* poses,

@@ -112,9 +112,12 @@ class WorldBatch {
   /// Writes all rows; `collided` as in the last row.
   void Observe(const BatchRows& rows);
 
-  /// Begins other random numbers of a crowd, by a key for each environment that `mask` chooses
-  /// (null: all).
-  void SeedCrowd(const bool* mask, World::CrowdHandle crowd, const uint64_t* keys);
+  /// Something with random numbers of its own in the core.
+  using Random =
+      std::variant<World::CrowdHandle, World::Drive, World::Tricycle, World::Ackermann>;
+  /// Begins other random numbers of it, by a key for each environment that `mask` chooses (null:
+  /// all).
+  void Seed(const bool* mask, const Random& random, const uint64_t* keys);
   /// Writes the poses of bodies (x, y [m] and yaw in [-pi, pi] [rad]) and the velocities of their
   /// origins [m/s, m/s, rad/s], in the world's frame, to the rows (count x bodies x 3) of the
   /// environments that `mask` chooses (null: all).

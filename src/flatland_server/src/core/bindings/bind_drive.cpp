@@ -1,5 +1,8 @@
 /// Drive, Tricycle, Ackermann, Tween and Drift in Python.
 
+#include <array>
+#include <optional>
+
 #include "bindings/bindings.hpp"
 #include "bindings/fast_method.hpp"
 
@@ -8,6 +11,18 @@ namespace {
 
 DynamicsLimits ToLimits(const Triple& t) {
   return {std::get<0>(t), std::get<1>(t), std::get<2>(t)};
+}
+
+/// Each axis as (delay, time_constant, dead_band, noise), and command_timeout and the key.
+using Axis = std::array<double, 4>;
+using Actuators = std::tuple<Axis, Axis, double, uint64_t>;
+
+AxisSettings ToAxis(const Axis& axis) { return {axis[0], axis[1], axis[2], axis[3]}; }
+
+std::optional<ActuatorSettings> ToActuator(const std::optional<Actuators>& given) {
+  if (!given) return std::nullopt;
+  const auto& [linear, angular, timeout, key] = *given;
+  return ActuatorSettings{ToAxis(linear), ToAxis(angular), timeout, key};
 }
 
 void CommandDrive(PyDrive& self, double vx, double vy, double omega) {
@@ -85,31 +100,35 @@ void BindDrive(py::module_& m) {
 void BindDrivesOf(py::class_<PyBody>& body) {
   body.def(
           "add_drive",
-          [](PyBody& self, const Triple& linear, const Triple& angular) {
+          [](PyBody& self, const Triple& linear, const Triple& angular,
+             const std::optional<Actuators>& actuators) {
             return PyDrive{self.world,
-                           self.world->AddDrive(self.handle, ToLimits(linear), ToLimits(angular))};
+                           self.world->AddDrive(self.handle, ToLimits(linear), ToLimits(angular),
+                                                ToActuator(actuators))};
           },
           py::arg("linear_limits") = Triple{0.0, 0.0, 0.0},
-          py::arg("angular_limits") = Triple{0.0, 0.0, 0.0})
+          py::arg("angular_limits") = Triple{0.0, 0.0, 0.0}, py::arg("actuators") = py::none())
       .def(
           "add_tricycle",
           [](PyBody& self, const PyJoint& front_wheel, const Pair& rear_axle,
-             double max_steer_angle, const Triple& linear, const Triple& steering) {
+             double max_steer_angle, const Triple& linear, const Triple& steering,
+             const std::optional<Actuators>& actuators) {
             const TricycleSettings settings{ToVec2(rear_axle), max_steer_angle, ToLimits(linear),
-                                            ToLimits(steering)};
+                                            ToLimits(steering), ToActuator(actuators)};
             return PyTricycle{self.world,
                               self.world->AddTricycle(self.handle, front_wheel.handle, settings)};
           },
           py::arg("front_wheel"), py::arg("rear_axle"), py::arg("max_steer_angle") = 0.0,
           py::arg("linear_limits") = Triple{0.0, 0.0, 0.0},
-          py::arg("steering_limits") = Triple{0.0, 0.0, 0.0})
+          py::arg("steering_limits") = Triple{0.0, 0.0, 0.0}, py::arg("actuators") = py::none())
       .def(
           "add_ackermann",
           [](PyBody& self, double wheelbase, double max_steer_angle,
              const std::vector<PyJoint>& wheels, const Triple& linear, double jerk,
-             const Triple& steering, const std::optional<PySingleTrack>& single_track) {
+             const Triple& steering, const std::optional<PySingleTrack>& single_track,
+             const std::optional<Actuators>& actuators) {
             AckermannSettings settings{wheelbase,       max_steer_angle,    ToLimits(linear), jerk,
-                                       ToLimits(steering), std::nullopt};
+                                       ToLimits(steering), std::nullopt, ToActuator(actuators)};
             if (single_track) {
               const auto [mass, inertia, center, height, friction, front, rear] = *single_track;
               settings.single_track = {mass, inertia, center, height, friction, front, rear};
@@ -123,7 +142,7 @@ void BindDrivesOf(py::class_<PyBody>& body) {
           py::arg("wheels") = std::vector<PyJoint>(),
           py::arg("linear_limits") = Triple{0.0, 0.0, 0.0}, py::arg("jerk_limit") = 0.0,
           py::arg("steering_limits") = Triple{0.0, 0.0, 0.0},
-          py::arg("single_track") = py::none())
+          py::arg("single_track") = py::none(), py::arg("actuators") = py::none())
       .def(
           "add_tween",
           [](PyBody& self, const Triple& delta, double duration, const std::string& mode,

@@ -29,6 +29,7 @@ AckermannDrive::AckermannDrive(const AckermannSettings& settings,
           "the front axle must be in front of the rear axle");
   Require(settings.max_steer_angle >= 0.0 && settings.max_steer_angle < M_PI_2,
           "max_steer_angle must be from 0 to less than a right angle");
+  if (settings.actuator) actuator_ = OptionalActuator(Actuator(*settings.actuator, true));
   if (!settings.single_track) return;
   const SingleTrack& car = *settings.single_track;
   for (double value : {car.mass, car.inertia, car.friction, car.front_stiffness,
@@ -49,28 +50,29 @@ void AckermannDrive::Command(const AckermannCommand& command) {
   const double most = settings_.max_steer_angle;
   command_ = command;
   command_.steer_angle = std::clamp(command.steer_angle, -most, most);
+  if (actuator_) actuator_->Command();
 }
 
 void AckermannDrive::Reset() {
   command_ = {};
-  command_.steer_angle = steering_.angle;
+  command_.steer_angle = steering_.angle = steer_angle();
   speed_ = acceleration_ = steering_.rate = 0.0;
   slip_ = {};
+  if (actuator_) actuator_->Reset();
 }
 
-double AckermannDrive::ChangeSpeed(double dt) {
+VelocityChange AckermannDrive::ChangeSpeed(double target, double dt) {
   DynamicsLimits limits = settings_.linear;
   limits.acceleration = Lower(limits.acceleration, command_.acceleration);
   limits.deceleration = Lower(limits.deceleration, command_.acceleration);
   const double jerk = Lower(settings_.jerk, command_.jerk);
   if (jerk == 0.0) {
-    const VelocityChange change = limits.Approach({speed_, 0.0}, {command_.speed, 0.0}, dt);
+    const VelocityChange change = limits.Approach({speed_, 0.0}, {target, 0.0}, dt);
     speed_ = change.reached.x;
     acceleration_ = 0.0;
-    return change.mean.x;
+    return change;
   }
   // Speed and acceleration move as an angle and its rate do. A reversal comes to rest in between.
-  double target = command_.speed;
   if (limits.velocity > 0.0) target = std::clamp(target, -limits.velocity, limits.velocity);
   if (target * speed_ < 0.0) target = 0.0;
   const bool is_faster = std::abs(target) > std::abs(speed_);
@@ -81,7 +83,8 @@ double AckermannDrive::ChangeSpeed(double dt) {
   const double before = speed_;
   speed_ = reached.angle;
   acceleration_ = reached.rate;
-  return (before + 4.0 * halfway + speed_) / 6.0;  // Simpson's rule
+  const double mean = (before + 4.0 * halfway + speed_) / 6.0;  // Simpson's rule
+  return {{speed_, 0.0}, {mean, 0.0}};
 }
 
 Twist AckermannDrive::Rolling(double speed, double angle) const {
@@ -99,28 +102,28 @@ Twist AckermannDrive::Slipping(double speed, const Slip& slip) const {
 }
 
 Twist AckermannDrive::Present() const {
-  const bool slips = settings_.single_track && speed_ >= kSlipSpeed;
-  return slips ? Slipping(speed_, slip_) : Rolling(speed_, steering_.angle);
+  const bool slips = settings_.single_track && speed() >= kSlipSpeed;
+  return slips ? Slipping(speed(), slip_) : Rolling(speed(), steer_angle());
 }
 
-Twist AckermannDrive::Advance(double dt) {
+Twist AckermannDrive::Advance(const Twist& target, double dt) {
   DynamicsLimits limits = settings_.steering;
   limits.velocity = Lower(limits.velocity, command_.steering_rate);
-  const double from_angle = steering_.angle, from_speed = speed_;
-  const double mean_speed = ChangeSpeed(dt);
-  double halfway = from_angle;
-  if (steering_.angle != command_.steer_angle || steering_.rate != 0.0) {
-    halfway = Steer(steering_, command_.steer_angle, limits, 0.5 * dt).angle;
-    steering_ = Steer(steering_, command_.steer_angle, limits, dt);
+  const double from_angle = steer_angle(), from_speed = speed();
+  VelocityChange rolling = ChangeSpeed(target.vx, dt);
+  if (actuator_) {
+    VelocityChange none;
+    actuator_->Follow(rolling, none, dt);
   }
-  if (settings_.single_track && std::min(from_speed, speed_) >= kSlipSpeed) {
+  const double halfway = Steer(steering_, target.omega, limits, actuator_, dt);
+  if (settings_.single_track && std::min(from_speed, speed()) >= kSlipSpeed) {
     return AdvanceSlip(from_speed, from_angle, dt);
   }
-  const Twist twist = Rolling(mean_speed, halfway);
+  const Twist twist = Rolling(rolling.mean.x, halfway);
   if (settings_.single_track) {
-    const Twist end = Rolling(speed_, steering_.angle);
-    slip_ = {end.omega, std::atan(std::tan(steering_.angle) / settings_.wheelbase *
-                                  settings_.single_track->center_of_mass)};
+    const double slope = std::tan(steer_angle()) / settings_.wheelbase;
+    slip_ = {Rolling(speed(), steer_angle()).omega,
+             std::atan(slope * settings_.single_track->center_of_mass)};
   }
   return twist;
 }
@@ -131,9 +134,10 @@ Twist AckermannDrive::Advance(double dt) {
 // 1977): at low speed, x is where the forces balance. The twist's mean is by the same weights.
 Twist AckermannDrive::AdvanceSlip(double from_speed, double from_angle, double dt) {
   const SingleTrack& car = *settings_.single_track;
+  const double to_speed = speed(), to_angle = steer_angle();
   const double length = settings_.wheelbase;
   const double rear = car.center_of_mass, front = length - rear;
-  const double shift = std::clamp(car.height * (speed_ - from_speed) / dt, -kGravity * front,
+  const double shift = std::clamp(car.height * (to_speed - from_speed) / dt, -kGravity * front,
                                   kGravity * rear);  // no axle carries less than nothing
   // Cornering stiffness of an axle per mass [m/s^2 per rad], by its share of the load.
   const double of_front =
@@ -143,8 +147,8 @@ Twist AckermannDrive::AdvanceSlip(double from_speed, double from_angle, double d
 
   const double gamma = 1.0 - std::sqrt(0.5);
   const auto stage = [&](const Slip& base, double at) {
-    const double v = from_speed + at * (speed_ - from_speed);
-    const double angle = from_angle + at * (steering_.angle - from_angle);
+    const double v = from_speed + at * (to_speed - from_speed);
+    const double angle = from_angle + at * (to_angle - from_angle);
     const double a11 = -agility / v * (front * front * of_front + rear * rear * of_rear);
     const double a12 = agility * (rear * of_rear - front * of_front);
     const double a21 = (rear * of_rear - front * of_front) / (v * v) - 1.0;
@@ -165,8 +169,8 @@ Twist AckermannDrive::AdvanceSlip(double from_speed, double from_angle, double d
   slip_ = {std::clamp(second.yaw_rate, -kMostYawRate, kMostYawRate),
            std::clamp(second.angle, -M_PI_2, M_PI_2)};
   if (!IsUsable(slip_.yaw_rate) || !IsUsable(slip_.angle)) slip_ = {};  // no number
-  const double middle_speed = from_speed + gamma * (speed_ - from_speed);
-  const Twist one = Slipping(middle_speed, first), two = Slipping(speed_, slip_);
+  const double middle_speed = from_speed + gamma * (to_speed - from_speed);
+  const Twist one = Slipping(middle_speed, first), two = Slipping(to_speed, slip_);
   const double w = 1.0 - gamma;
   return {w * one.vx + gamma * two.vx, w * one.vy + gamma * two.vy,
           w * one.omega + gamma * two.omega};
@@ -175,14 +179,16 @@ Twist AckermannDrive::AdvanceSlip(double from_speed, double from_angle, double d
 void AckermannDrive::BeginStep(b2Body& body, double dt) {
   const double parts_of_step = std::clamp(std::ceil(dt / kLongestPart - 1e-9), 1.0, kMostParts);
   const int parts = static_cast<int>(parts_of_step);
-  Twist mean = Advance(dt / parts);
+  Twist target{command_.speed, 0.0, command_.steer_angle};
+  if (actuator_) target = actuator_->Arrive(target, dt);
+  Twist mean = Advance(target, dt / parts);
   if (parts > 1) {
     const auto motion_of = [&](const Twist& twist) {
       const double time = dt / parts;
       return MotionAlong({twist.vx * time, twist.vy * time, twist.omega * time});
     };
     Pose moved = motion_of(mean);
-    for (int i = 1; i < parts; ++i) moved = Compose(moved, motion_of(Advance(dt / parts)));
+    for (int i = 1; i < parts; ++i) moved = Compose(moved, motion_of(Advance(target, dt / parts)));
     const Vec2 arc = ArcOf({moved.x, moved.y, std::clamp(moved.yaw, -3.0, 3.0)});
     mean = {arc.x / dt, arc.y / dt, moved.yaw / dt};
   }
@@ -192,7 +198,7 @@ void AckermannDrive::BeginStep(b2Body& body, double dt) {
 void AckermannDrive::EndStep(b2Body& body) {
   motion_.End(body, Present());
   // The axes of all wheels meet in a point of the rear axle's line (Ackermann's steering).
-  const double slope = std::tan(steering_.angle);
+  const double slope = std::tan(steer_angle());
   for (b2RevoluteJoint* const joint : wheels_) {
     if (joint == nullptr) continue;
     const b2Vec2 hub =

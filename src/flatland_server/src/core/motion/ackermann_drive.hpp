@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "base/geometry.hpp"
+#include "motion/actuator.hpp"
 #include "motion/arc_motion.hpp"
 #include "motion/dynamics_limits.hpp"
 #include "motion/steering.hpp"
@@ -34,6 +35,7 @@ struct AckermannSettings {
   double jerk = 0.0;             ///< of the change of the acceleration [m/s^3]; 0 is no limit
   DynamicsLimits steering;       ///< of the steering rate [rad/s, rad/s^2]
   std::optional<SingleTrack> single_track;  ///< none: no tyre slips
+  std::optional<ActuatorSettings> actuator{};
 };
 
 /// A command, with limits of its own: 0 is none.
@@ -64,13 +66,18 @@ class AckermannDrive {
   /// negative.
   void Command(const AckermannCommand& command);
   /// Present speed [m/s].
-  double speed() const { return speed_; }
+  double speed() const { return actuator_ ? actuator_->velocity().vx : speed_; }
   /// Present steering angle [rad], positive to the left.
-  double steer_angle() const { return steering_.angle; }
+  double steer_angle() const { return actuator_ ? actuator_->velocity().omega : steering_.angle; }
   /// Present angle between the velocity and the heading, at the centre of mass [rad].
   double slip_angle() const { return slip_.angle; }
   /// Sets all velocities and the commanded speed to zero at once; the steering angle stays.
   void Reset();
+  OptionalActuator& actuator() { return actuator_; }
+  /// Begins other random numbers, of the actuators' noise.
+  void Seed(uint64_t key) {
+    if (actuator_) actuator_->Seed(key);
+  }
 
   /// Called for each joint that another one has taken the place of, or null: it is destroyed.
   void Replace(const b2Joint* joint, b2Joint* other) {
@@ -95,7 +102,18 @@ class AckermannDrive {
   void Serialize(Archive& archive) {
     archive(command_.speed, command_.steer_angle, command_.steering_rate, command_.acceleration,
             command_.jerk, speed_, acceleration_, steering_.angle, steering_.rate, slip_.yaw_rate,
-            slip_.angle, motion_);
+            slip_.angle, motion_, actuator_);
+  }
+  /// Calls `visit` with all that steps change and that can be copied byte by byte.
+  template <class Visit>
+  void ForEachPart(Visit visit) {
+    visit(command_);
+    visit(speed_);
+    visit(acceleration_);
+    visit(steering_);
+    visit(slip_);
+    visit(motion_);
+    if (actuator_) actuator_->ForEachPart(visit);
   }
 
  private:
@@ -105,10 +123,11 @@ class AckermannDrive {
     double angle = 0.0;     // at the centre of mass [rad]
   };
 
-  /// Changes speed and acceleration in `dt` [s]; returns the mean speed.
-  double ChangeSpeed(double dt);
-  /// Advances the state by `dt` [s]; returns the mean twist of the rear axle's middle, in its frame.
-  Twist Advance(double dt);
+  /// Changes speed and acceleration in `dt` [s], towards a target [m/s].
+  VelocityChange ChangeSpeed(double target, double dt);
+  /// Advances the state by `dt` [s], towards a target (speed, 0, steering angle); returns the mean
+  /// twist of the rear axle's middle, in its frame.
+  Twist Advance(const Twist& target, double dt);
   /// The same for the slip, from a speed and a steering angle to the present ones.
   Twist AdvanceSlip(double from_speed, double from_angle, double dt);
   /// The twist of the rear axle's middle if the tyres roll.
@@ -121,11 +140,12 @@ class AckermannDrive {
   AckermannSettings settings_;
   std::array<b2RevoluteJoint*, 2> wheels_{};
   AckermannCommand command_;
-  double speed_ = 0.0;         // [m/s]
-  double acceleration_ = 0.0;  // [m/s^2]; with a limit of the jerk
-  SteeringState steering_;
+  double speed_ = 0.0;         // within the limits [m/s]
+  double acceleration_ = 0.0;  // likewise; with a limit of the jerk [m/s^2]
+  SteeringState steering_;     // likewise
   Slip slip_;
   ArcMotion motion_;
+  OptionalActuator actuator_;
 };
 
 }  // namespace flatland

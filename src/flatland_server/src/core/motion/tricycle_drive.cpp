@@ -16,6 +16,7 @@ TricycleDrive::TricycleDrive(const TricycleSettings& settings, b2RevoluteJoint* 
   wheelbase_ = std::hypot(settings.rear_axle.x, settings.rear_axle.y);
   Require(wheelbase_ >= 1e-3, "the rear axle must be apart from the front wheel");
   heading_ = std::atan2(-settings.rear_axle.y, -settings.rear_axle.x);
+  if (settings.actuator) actuator_ = OptionalActuator(Actuator(*settings.actuator, true));
 }
 
 void TricycleDrive::Command(double speed, double angle) {
@@ -24,12 +25,14 @@ void TricycleDrive::Command(double speed, double angle) {
   const double most = settings_.max_steer_angle;
   target_speed_ = speed;
   target_angle_ = most > 0.0 ? std::clamp(angle, -most, most) : angle;
+  if (actuator_) actuator_->Command();
 }
 
 void TricycleDrive::Reset() {
   target_speed_ = speed_ = 0.0;
-  target_angle_ = steering_.angle;
+  target_angle_ = steering_.angle = steer_angle();
   steering_.rate = 0.0;
+  if (actuator_) actuator_->Reset();
 }
 
 // The rear axle does not slip sideways: with the front wheel rolling at v and angle d, and the
@@ -43,17 +46,22 @@ Twist TricycleDrive::TwistAt(double speed, double angle) {
 }
 
 void TricycleDrive::BeginStep(b2Body& body, double dt) {
-  const VelocityChange rolling = settings_.linear.Approach({speed_, 0.0}, {target_speed_, 0.0}, dt);
-  const double halfway = Steer(steering_, target_angle_, settings_.steering, 0.5 * dt).angle;
-  steering_ = Steer(steering_, target_angle_, settings_.steering, dt);
+  Twist target{target_speed_, 0.0, target_angle_};
+  if (actuator_) target = actuator_->Arrive(target, dt);
+  VelocityChange rolling = settings_.linear.Approach({speed_, 0.0}, {target.vx, 0.0}, dt);
+  const double halfway = Steer(steering_, target.omega, settings_.steering, actuator_, dt);
   speed_ = rolling.reached.x;
+  if (actuator_) {
+    VelocityChange none;
+    actuator_->Follow(rolling, none, dt);
+  }
   motion_.Begin(body, TwistAt(rolling.mean.x, halfway), dt);
 }
 
 void TricycleDrive::EndStep(b2Body& body) {
-  motion_.End(body, TwistAt(speed_, steering_.angle));
+  motion_.End(body, TwistAt(speed(), steer_angle()));
   if (front_wheel_ == nullptr) return;
-  PlaceSteeredWheel(*front_wheel_, body, heading_ + steering_.angle);
+  PlaceSteeredWheel(*front_wheel_, body, heading_ + steer_angle());
 }
 
 }  // namespace flatland

@@ -62,6 +62,17 @@ struct Mechanisms {
     visit(tweens);
     visit(drifts);
   }
+  /// Calls `visit` with each delay line of a drive.
+  template <class Visit>
+  void ForEachLine(Visit visit) {
+    const auto visit_lines = [&](auto, auto& mounted) {
+      OptionalActuator& actuator = mounted.mechanism.actuator();
+      if (actuator) actuator->ForEachLine(visit);
+    };
+    drives.ForEach(visit_lines);
+    tricycles.ForEach(visit_lines);
+    cars.ForEach(visit_lines);
+  }
   /// To be called when a joint has taken the place of another one, or null: it is destroyed.
   void ReplaceJoint(const b2Joint* joint, b2Joint* other) {
     const auto replace = [&](auto, auto& mounted) { mounted.mechanism.Replace(joint, other); };

@@ -199,7 +199,8 @@ class World : public Access, private b2DestructionListener {
   // ---- Drives, tweens and drifts ----
 
   /// Drives the body at commanded velocities. The limits are in m/s and m/s^2, rad/s and rad/s^2.
-  Drive AddDrive(Body body, const DynamicsLimits& linear, const DynamicsLimits& angular);
+  Drive AddDrive(Body body, const DynamicsLimits& linear, const DynamicsLimits& angular,
+                 const std::optional<ActuatorSettings>& actuator = std::nullopt);
   /// Drives the body as a tricycle. `front_wheel`, a revolute joint of the body, holds the body of
   /// the front wheel, which is rotated to show the steering angle.
   Tricycle AddTricycle(Body body, Joint front_wheel, const TricycleSettings& settings);

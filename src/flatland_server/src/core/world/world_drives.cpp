@@ -12,11 +12,12 @@ constexpr char kNotALayer[] = "a layer cannot be moved";
 }  // namespace
 
 World::Drive World::AddDrive(Body body, const DynamicsLimits& linear,
-                             const DynamicsLimits& angular) {
+                             const DynamicsLimits& angular,
+                             const std::optional<ActuatorSettings>& actuator) {
   Find(body);
   const AccessGuard guard(*this);
   Require(!bodies_.Get(body).is_layer, kNotALayer);
-  return mechanisms_.drives.Add({body, BodyDrive(linear, angular)});
+  return mechanisms_.drives.Add({body, BodyDrive(linear, angular, actuator)});
 }
 
 World::Tricycle World::AddTricycle(Body body, Joint front_wheel, const TricycleSettings& settings) {

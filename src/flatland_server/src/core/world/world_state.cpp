@@ -21,7 +21,7 @@
 namespace flatland {
 namespace {
 
-constexpr uint32_t kFormat = 3;
+constexpr uint32_t kFormat = 4;
 
 // ---- Reading the state of Box2D's objects ----
 
