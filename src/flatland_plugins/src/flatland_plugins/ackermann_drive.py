@@ -89,7 +89,8 @@ class AckermannDrive(TwistDrive):
         """The joints of the front wheels, as far as they are given."""
         joints = []
         for key in _WHEELS:
-            wheel = get_wheel(self, config, key, body, "revolute") if config.has(key) else None
+            is_given = bool(config.get_string(key, "")) or config.has(key)
+            wheel = get_wheel(self, config, key, body, "revolute") if is_given else None
             if wheel is None:
                 continue
             joint, (x, _) = wheel
@@ -104,9 +105,9 @@ class AckermannDrive(TwistDrive):
 
     def _single_track(self, config: YamlReader) -> Optional[Tuple[float, ...]]:
         """The numbers of a car with slip, as the core takes them; None: without slip."""
+        section = config.get_section("single_track")
         if not config.has("single_track"):
             return None
-        section = config.get_section("single_track")
         numbers = (
             section.get_float("mass", above=0.0),
             section.get_float("inertia", above=0.0),

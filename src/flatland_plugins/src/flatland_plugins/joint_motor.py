@@ -23,7 +23,7 @@ class JointMotor(ModelPlugin):
         mode = config.get_choice("mode", ["velocity", "position"], "velocity")
         self._is_position = mode == "position"
         self._max_torque = config.get_float("max_torque", above=0.0)
-        self._max_velocity = config.get_float("max_velocity", math.inf, above=0.0)
+        self._max_velocity = config.get_float("max_velocity", 0.0, minimum=0.0) or math.inf
         topic = config.get_topic("topic", f"{self.name}/command")
         config.finish()
         assert joint is not None  # or there was a problem
