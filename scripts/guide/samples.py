@@ -134,7 +134,7 @@ PLUGINS: Dict[str, List[Dict[str, Any]]] = {
         {**ON_BASE, "range": 20, "angle": {"min": 0, "max": 1, "increment": 0.5}},
         {**ON_BASE, "range": 20, "angle": {"min": 1, "max": 0, "increment": -0.5}},
     ],
-    "ModelTfPublisher": [{}, {}],
+    "ModelTfPublisher": [{}, {"exclude": ["swivel"]}],
     "OmniDrive": [ON_BASE, {**ON_BASE, **NOISE, **LIMITS}, {**ON_BASE, "odom_drift": [1, 1, 1]}],
     "Pedestrian": [
         {

@@ -89,8 +89,7 @@ class AckermannDrive(TwistDrive):
         """The joints of the front wheels, as far as they are given."""
         joints = []
         for key in _WHEELS:
-            is_given = bool(config.get_string(key, "")) or config.has(key)
-            wheel = get_wheel(self, config, key, body, "revolute") if is_given else None
+            wheel = get_wheel(self, config, key, body, "revolute", "")
             if wheel is None:
                 continue
             joint, (x, _) = wheel

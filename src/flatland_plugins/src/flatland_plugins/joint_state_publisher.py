@@ -40,7 +40,7 @@ class JointStatePublisher(ModelPlugin):
         update_rate = config.get_rate("update_rate", math.inf)
         revolute = [each.name for each in self.model.joints if _is_revolute(each)]
         self._joints: List[Joint] = []
-        for name in config.get_strings("joints", tuple(revolute)):
+        for name in config.get_strings("joints", ()) or revolute:
             try:
                 joint = self.model.get_joint(name)
             except ModelError as error:

@@ -1,16 +1,21 @@
 """The joints of a drive's wheels, which tell where these are."""
 
 import math
-from typing import Optional, Tuple
+from typing import Any, Optional, Tuple
 
-from flatland_server import Joint, ModelBody, ModelPlugin, Point, YamlReader
+from flatland_server import REQUIRED, Joint, ModelBody, ModelPlugin, Point, YamlReader
 
 TOLERANCE = 1e-3
 """Tolerance of positions [m], and of right angles [rad]."""
 
 
 def get_wheel(
-    drive: ModelPlugin, config: YamlReader, key: str, body: ModelBody, kind: str
+    drive: ModelPlugin,
+    config: YamlReader,
+    key: str,
+    body: ModelBody,
+    kind: str,
+    default: Any = REQUIRED,
 ) -> Optional[Tuple[Joint, Point]]:
     """A wheel's joint, and its anchor on the driven body.
 
@@ -20,8 +25,9 @@ def get_wheel(
         key: names the joint.
         body: that is driven.
         kind: of the joint: revolute or weld.
+        default: see `ModelPlugin.get_joint`.
     """
-    joint = drive.get_joint(config, key)
+    joint = drive.get_joint(config, key, default)
     if joint is None:
         return None
     if joint.config.type != kind:

@@ -178,7 +178,8 @@ def _warn_of_own_footprints(config: ModelConfig, name: str, lidar: YamlReader) -
     """
     layers = set(lidar.get_strings("layers", (ALL,)))
     origin = lidar.get_pose("origin", Pose())
-    ignored = lidar.get_strings("ignore_bodies", ())
+    given = lidar.content().get("ignore_bodies") or ()
+    ignored = [given] if isinstance(given, str) else given
     if not lidar.is_sound:
         return
     mount = next((each.pose for each in config.bodies if each.name == name), Pose())
