@@ -3,7 +3,6 @@
 import math
 from typing import Any, List, Optional, Tuple
 
-from flatland_plugins.actuators import Actuators
 from flatland_plugins.twist_drive import TwistDrive, read_dynamics
 from flatland_plugins.wheel_joints import TOLERANCE, get_wheel
 from flatland_server import CoreDrive, Joint, ModelBody, YamlReader
@@ -33,10 +32,13 @@ class AckermannDrive(TwistDrive):
         self._twist_has_angle = config.get_bool("cmd_angle_instead_rotvel", False)
         linear, angular = config.read_once(read_dynamics)
         jerk_limit = config.get_float("jerk_limit", 0.0, minimum=0.0)
-        actuators = config.read_once(Actuators.read, True)
         wheels = self._steered_wheels(config, body)
         single_track = self._single_track(config)
+        actuators = self.read_actuators(config, body, is_steered=True)
         config.finish()
+        if single_track is not None and body.config.type == "dynamic":
+            mass, inertia, center = single_track[:3]
+            body.physics_body.set_mass(mass, inertia=inertia, local_center=(center, 0.0))
         self._car = body.physics_body.add_ackermann(
             self._wheelbase,
             max_steer_angle,
@@ -45,16 +47,13 @@ class AckermannDrive(TwistDrive):
             jerk_limit=jerk_limit,
             steering_limits=angular,
             single_track=single_track,
-            actuators=actuators.for_core(self.rng),
+            actuators=actuators,
         )
-        if single_track is not None and body.config.type == "dynamic":
-            mass, inertia, center = single_track[:3]
-            body.physics_body.set_mass(mass, inertia=inertia, local_center=(center, 0.0))
         kinds = ("AckermannDriveStamped", "AckermannDrive")
         for topic, kind, obey in zip(topics, kinds, (self._on_stamped, self._on_ackermann)):
             self.subscribe_commands(topic, f"ackermann_msgs/{kind}", obey)
         limits = (linear.velocity_limit, max_steer_angle)
-        return CoreDrive(self._car, (0, 1), limits, actuators.is_random)
+        return CoreDrive(self._car, (0, 1), limits, self._actuators.is_random)
 
     def on_twist(self, twist: Any) -> None:
         """Steers so as to turn at the rate of a Twist: v tan(angle) = wheelbase * yaw rate."""

@@ -31,6 +31,12 @@ class Actuators(NamedTuple):
     angular: Axis
     command_timeout: float
     """Time without a command after which the robot brakes [s]; 0: never."""
+    max_force: float
+    """Of the motors [N]; 0 is no limit, here and below."""
+    max_torque: float
+    """Of the motors, about the centre of mass [N m]."""
+    friction: float
+    """Coefficient of the tyres: with more force than friction allows, wheels slip."""
 
     @classmethod
     def read(cls, config: YamlReader, is_steered: bool = False) -> "Actuators":
@@ -42,30 +48,40 @@ class Actuators(NamedTuple):
         """
         section = config.get_section("actuators")
         shared = tuple(_time(section, key, 0.0) for key in ("delay", "time_constant"))
-        actuators = cls(
-            _read_axis(section.get_section("linear"), shared),
-            _read_axis(section.get_section("angular"), shared, has_noise=not is_steered),
-            section.get_float("command_timeout", 0.0, minimum=0.0),
-        )
+        linear = _read_axis(section.get_section("linear"), shared)
+        angular = _read_axis(section.get_section("angular"), shared, has_noise=not is_steered)
+        numbers = [
+            section.get_float(key, 0.0, minimum=0.0)
+            for key in ("command_timeout", "max_force", "max_torque")
+        ]
+        traction = section.get_section("traction")
+        friction = traction.get_float("friction", 0.0, minimum=0.0)
+        traction.finish()
         section.finish()
-        return actuators
+        return cls(linear, angular, *numbers, friction)
 
     @property
     def is_random(self) -> bool:
         """True if they have noise."""
         return self.linear.noise > 0.0 or self.angular.noise > 0.0
 
+    @property
+    def has_force(self) -> bool:
+        """True if the force or the torque has a limit."""
+        return any((self.max_force, self.max_torque, self.friction))
+
     def for_core(
         self, rng: np.random.Generator
-    ) -> Optional[Tuple[Axis, Axis, float, int]]:
+    ) -> Optional[Tuple[Axis, Axis, float, int, Tuple[float, ...]]]:
         """The arguments of the core's drives, or None if there are no actuators.
 
         Args:
             rng: of the plugin; the first number of it is the key of the noise, if there is some.
         """
-        if not any((*self.linear, *self.angular, self.command_timeout)):
+        linear, angular, timeout, *force = self
+        if not any((*linear, *angular, timeout, *force)):
             return None
-        return (*self, draw_key(rng) if self.is_random else 0)
+        return linear, angular, timeout, draw_key(rng) if self.is_random else 0, tuple(force)
 
 
 def _read_axis(section: YamlReader, shared: Tuple[float, ...], has_noise: bool = True) -> Axis:
@@ -82,6 +98,6 @@ def _read_axis(section: YamlReader, shared: Tuple[float, ...], has_noise: bool =
 
 def _time(section: YamlReader, key: str, default: float) -> float:
     value = section.get_float(key, default, minimum=0.0)
-    if key == "delay" and value > _MAX_DELAY:
+    if key == "delay" and section.has(key) and value > _MAX_DELAY:
         section.problem(f"expected {_MAX_DELAY:g} s at most, found {value:g}", key)
     return value

@@ -3,7 +3,6 @@
 import math
 from typing import Any
 
-from flatland_plugins.actuators import Actuators
 from flatland_plugins.dynamics_limits import DynamicsLimits
 from flatland_plugins.twist_drive import TwistDrive, read_dynamics
 from flatland_plugins.wheel_joints import TOLERANCE, get_wheel
@@ -45,7 +44,7 @@ class TricycleDrive(TwistDrive):
         config.warn_of_degrees(max_steer_angle, "max_steer_angle")
         linear, angular = read_dynamics(config)
         angular = _with_deprecated(config, angular)
-        actuators = config.read_once(Actuators.read, True)
+        actuators = self.read_actuators(config, body, is_steered=True)
         config.finish()
         assert front is not None  # or there was a problem
         self._tricycle = body.physics_body.add_tricycle(
@@ -54,10 +53,10 @@ class TricycleDrive(TwistDrive):
             max_steer_angle,
             linear,
             angular,
-            actuators.for_core(self.rng),
+            actuators,
         )
         limits = (linear.velocity_limit, max_steer_angle)
-        return CoreDrive(self._tricycle, (0, 1), limits, actuators.is_random)
+        return CoreDrive(self._tricycle, (0, 1), limits, self._actuators.is_random)
 
     def on_twist(self, twist: Any) -> None:
         self.command(twist.linear.x, twist.angular.z)

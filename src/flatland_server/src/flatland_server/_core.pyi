@@ -25,7 +25,7 @@ _Triple = tuple[float, float, float]
 _PairLike = Numbers
 _TripleLike = Numbers
 _Axis = Sequence[float]
-_Actuators = tuple[_Axis, _Axis, float, int]
+_Actuators = tuple[_Axis, _Axis, float, int, _TripleLike]
 _Collision = tuple[int, Fixture, Fixture, bool, list[_Pair], _Pair, list[float]]
 
 class _Metaclass(type):
@@ -465,9 +465,10 @@ class Body(_WithoutConstructor):
         Args:
             linear_limits: of the planar velocity [m/s^2, m/s^2, m/s].
             angular_limits: of the yaw rate [rad/s^2, rad/s^2, rad/s].
-            actuators: (linear, angular, command_timeout, key), each axis (delay, time_constant,
-                dead_band, noise); the timeout in s, 0 for none; the key of the noise. None: the
-                body follows a command at once.
+            actuators: (linear, angular, command_timeout, key, force): each axis (delay [s],
+                time_constant [s], dead_band, noise); the timeout [s], 0 for none; the key of the
+                noise; (max_force [N], max_torque [N m], friction), 0 for no limit. None: the body
+                has the velocities of the commands at once.
         """
     def add_tricycle(
         self,

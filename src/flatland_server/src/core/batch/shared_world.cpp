@@ -50,10 +50,15 @@ void SharedWorld::CollectRanges() {
     }
   });
   world_->joints_.ForEach([this](World::Joint, b2Joint* joint) {
-    if (joint->GetType() == e_weldJoint) {
-      AddRange(static_cast<b2WeldJoint&>(*joint));
-    } else {
-      AddRange(static_cast<b2RevoluteJoint&>(*joint));
+    switch (joint->GetType()) {
+      case e_weldJoint:
+        AddRange(static_cast<b2WeldJoint&>(*joint));
+        break;
+      case e_frictionJoint:
+        AddRange(static_cast<b2FrictionJoint&>(*joint));
+        break;
+      default:
+        AddRange(static_cast<b2RevoluteJoint&>(*joint));
     }
   });
   world_->mechanisms_.ForEachMap([this](auto& map) { AddRanges(map); });
@@ -91,7 +96,8 @@ std::unique_ptr<SharedState> SharedWorld::MakeState() {
   state->bytes_ = empty_;
   state->held_.resize(world_->layers_->nearby().size());
   state->nearby_.resize(world_->bodies_.Moving().size());
-  world_->mechanisms_.ForEachLine([&](DelayLine&) { state->lines_.emplace_back(); });
+  const auto add_line = [&](DelayLine&) { state->lines_.emplace_back(); };
+  world_->mechanisms_.ForEachActuator([&](auto, Actuator& each) { each.ForEachLine(add_line); });
   beginning_.Restore(Entered(*this, *state).world());
   return state;
 }
@@ -118,7 +124,8 @@ void SharedWorld::ExchangeOwn(SharedState& state) {
   auto nearby = state.nearby_.begin();
   for (BodyRecord* const record : world_->bodies_.Moving()) std::swap(record->nearby, *nearby++);
   auto line = state.lines_.begin();
-  world_->mechanisms_.ForEachLine([&](DelayLine& each) { std::swap(each, *line++); });
+  const auto exchange = [&](DelayLine& each) { std::swap(each, *line++); };
+  world_->mechanisms_.ForEachActuator([&](auto, Actuator& each) { each.ForEachLine(exchange); });
 }
 
 void SharedWorld::Enter(SharedState& state) {

@@ -89,7 +89,10 @@ class SharedWorld {
       if constexpr (std::is_trivially_copyable_v<Mechanism>) {
         AddRange(each.mechanism);
       } else {
-        each.mechanism.ForEachPart([this](auto& part) { AddRange(part); });
+        each.mechanism.ForEachPart([this](auto& part) {
+          static_assert(std::is_trivially_copyable_v<std::decay_t<decltype(part)>>);
+          AddRange(part);
+        });
       }
     });
   }

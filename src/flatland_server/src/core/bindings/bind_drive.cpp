@@ -13,16 +13,19 @@ DynamicsLimits ToLimits(const Triple& t) {
   return {std::get<0>(t), std::get<1>(t), std::get<2>(t)};
 }
 
-/// Each axis as (delay, time_constant, dead_band, noise), and command_timeout and the key.
+/// Each axis as (delay, time_constant, dead_band, noise); command_timeout; the key of the noise; and
+/// (max_force, max_torque, friction).
 using Axis = std::array<double, 4>;
-using Actuators = std::tuple<Axis, Axis, double, uint64_t>;
+using Actuators = std::tuple<Axis, Axis, double, uint64_t, Triple>;
 
 AxisSettings ToAxis(const Axis& axis) { return {axis[0], axis[1], axis[2], axis[3]}; }
 
 std::optional<ActuatorSettings> ToActuator(const std::optional<Actuators>& given) {
   if (!given) return std::nullopt;
-  const auto& [linear, angular, timeout, key] = *given;
-  return ActuatorSettings{ToAxis(linear), ToAxis(angular), timeout, key};
+  const auto& [linear, angular, timeout, key, force] = *given;
+  const auto [max_force, max_torque, friction] = force;
+  return ActuatorSettings{
+      ToAxis(linear), ToAxis(angular), timeout, key, {max_force, max_torque, friction}};
 }
 
 void CommandDrive(PyDrive& self, double vx, double vy, double omega) {

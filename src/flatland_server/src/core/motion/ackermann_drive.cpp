@@ -53,11 +53,20 @@ void AckermannDrive::Command(const AckermannCommand& command) {
   if (actuator_) actuator_->Command();
 }
 
+Fastest AckermannDrive::GetFastest() const {
+  const double fastest =
+      std::max(std::abs(speed()), settings_.linear.Limited(std::abs(command_.speed)));
+  const double angle = std::max(std::abs(steer_angle()), std::abs(command_.steer_angle));
+  return {fastest,
+          std::max(std::abs(slip_.yaw_rate), fastest * std::tan(angle) / settings_.wheelbase)};
+}
+
 void AckermannDrive::Reset() {
   command_ = {};
   command_.steer_angle = steering_.angle = steer_angle();
   speed_ = acceleration_ = steering_.rate = 0.0;
   slip_ = {};
+  motion_ = {};
   if (actuator_) actuator_->Reset();
 }
 
@@ -192,11 +201,12 @@ void AckermannDrive::BeginStep(b2Body& body, double dt) {
     const Vec2 arc = ArcOf({moved.x, moved.y, std::clamp(moved.yaw, -3.0, 3.0)});
     mean = {arc.x / dt, arc.y / dt, moved.yaw / dt};
   }
-  motion_.Begin(body, mean, dt);
+  if (actuator_) actuator_->Roll(mean);
+  motion_.Begin(body, mean, dt, actuator_.grip());
 }
 
 void AckermannDrive::EndStep(b2Body& body) {
-  motion_.End(body, Present());
+  motion_.End(body, Present(), actuator_.grip());
   // The axes of all wheels meet in a point of the rear axle's line (Ackermann's steering).
   const double slope = std::tan(steer_angle());
   for (b2RevoluteJoint* const joint : wheels_) {

@@ -73,7 +73,11 @@ class AckermannDrive {
   double slip_angle() const { return slip_.angle; }
   /// Sets all velocities and the commanded speed to zero at once; the steering angle stays.
   void Reset();
+  /// To be called when the body was moved.
+  void Rebase() { motion_.Rebase(); }
   OptionalActuator& actuator() { return actuator_; }
+  /// The greatest speed [m/s] and yaw rate [rad/s] that it may have in the next step.
+  Fastest GetFastest() const;
   /// Begins other random numbers, of the actuators' noise.
   void Seed(uint64_t key) {
     if (actuator_) actuator_->Seed(key);
@@ -84,6 +88,7 @@ class AckermannDrive {
     for (b2RevoluteJoint*& each : wheels_) {
       if (joint == each) each = static_cast<b2RevoluteJoint*>(other);
     }
+    if (actuator_) actuator_->Replace(joint, other);
   }
   /// Takes all but the joints of another one.
   void TakeMotion(const AckermannDrive& other) {

@@ -21,6 +21,9 @@ uint64_t Nanoseconds(double seconds) {
 
 void ActuatorSettings::Check() const {
   RequireNotNegative(command_timeout, "command_timeout must be finite and not negative");
+  for (const double each : {force.max_force, force.max_torque, force.friction}) {
+    RequireNotNegative(each, "a limit of a drive's force must be finite and not negative");
+  }
   for (const AxisSettings& axis : {linear, angular}) {
     for (const double each : {axis.delay, axis.time_constant, axis.dead_band, axis.noise}) {
       RequireNotNegative(each, "a number of an actuator must be finite and not negative");
@@ -71,6 +74,7 @@ Actuator::Actuator(const ActuatorSettings& settings, bool is_steered)
 Twist Actuator::Arrive(Twist target, double dt) {
   const uint64_t now = state_.now;
   state_.now += Nanoseconds(dt);
+  state_.rolling = {};
   const double timeout = settings_.command_timeout;
   if (timeout > 0.0 && now - state_.commanded >= Nanoseconds(timeout)) {
     target = {0.0, 0.0, is_steered_ ? target.omega : 0.0};
@@ -127,6 +131,15 @@ double Steer(SteeringState& steering, double target, const DynamicsLimits& limit
   const double first = actuator->Steer(steered_for(0.25 * dt).angle, halfway, 0.5 * dt);
   actuator->Steer(steered_for(0.75 * dt).angle, steering.angle, 0.5 * dt);
   return first;
+}
+
+Pose Actuator::Measured(const Pose& arc, double dt) const {
+  const auto& [vx, vy, omega] = state_.rolling;
+  Pose measured = arc;
+  if (grip_.slips()) measured.x = vx * dt;
+  if (grip_.slips()) measured.y = vy * dt;
+  if (grip_.spins()) measured.yaw = omega * dt;
+  return measured;
 }
 
 void Actuator::Reset() {

@@ -9,6 +9,7 @@
 #include "base/geometry.hpp"
 #include "base/normal_numbers.hpp"
 #include "motion/dynamics_limits.hpp"
+#include "motion/grip.hpp"
 #include "motion/steering.hpp"
 
 namespace flatland {
@@ -27,6 +28,7 @@ struct ActuatorSettings {
   AxisSettings angular;
   double command_timeout = 0.0;  ///< without a command for so long it stops [s]; 0: never
   uint64_t key = 0;              ///< of the noise
+  ForceLimits force{};
 
   /// Throws std::invalid_argument if a number is negative or not finite, or a delay too long.
   void Check() const;
@@ -86,6 +88,23 @@ class Actuator {
   /// The steering angle in the same way, for a time [s]: the mean of the input, and its end.
   double Steer(double mean, double reached, double time);
 
+  /// Lets the drive push its body by a joint of limited force.
+  void AddGrip(b2FrictionJoint* joint) { grip_ = Grip(settings_.force, joint); }
+  /// Takes all but the joint of another one.
+  void Take(const Actuator& other) {
+    b2FrictionJoint* const joint = grip_.joint();
+    *this = other;
+    grip_.Replace(grip_.joint(), joint);
+  }
+  /// Null if the force has no limit.
+  Grip* grip() { return grip_ ? &grip_ : nullptr; }
+  void Replace(const b2Joint* joint, b2Joint* other) { grip_.Replace(joint, other); }
+  bool may_slip() const { return settings_.force.friction > 0.0; }
+  /// Sets the mean twist of the body in this step if the wheels do not slip.
+  void Roll(const Twist& mean) { state_.rolling = mean; }
+  /// The motion of a step of `dt` [s] as the wheels measure it, if the body has made `arc`.
+  Pose Measured(const Pose& arc, double dt) const;
+
   /// The present velocity of the wheels, or their speed and the steering angle.
   const Twist& velocity() const { return state_.velocity; }
   /// Forgets commands under way: the wheels stand still, and a steering angle stays.
@@ -97,6 +116,7 @@ class Actuator {
   template <class Visit>
   void ForEachPart(Visit visit) {
     visit(state_);
+    grip_.ForEachPart(visit);
   }
   template <class Visit>
   void ForEachLine(Visit visit) {
@@ -106,8 +126,8 @@ class Actuator {
   /// Writes or reads what it keeps from step to step; see archive.hpp.
   template <class Archive>
   void Serialize(Archive& archive) {
-    archive(state_.now, state_.commanded, state_.held, state_.velocity, state_.numbers,
-            linear_line_, angular_line_);
+    archive(state_.now, state_.commanded, state_.held, state_.velocity, state_.rolling,
+            state_.numbers, linear_line_, angular_line_, grip_);
   }
 
  private:
@@ -116,6 +136,7 @@ class Actuator {
     uint64_t commanded = 0;  // time of the last command [ns]
     double held = 0.0;       // the steering angle that the dead band holds [rad]
     Twist velocity;          // of the wheels
+    Twist rolling;           // the mean in this step, in the body's frame
     NormalNumbers numbers;
   };
 
@@ -127,10 +148,11 @@ class Actuator {
   State state_;
   DelayLine linear_line_;
   DelayLine angular_line_;
+  Grip grip_;
 };
 
 /// The actuator of a drive, or none, which costs nothing. It is copied with the drive; an assignment
-/// to one that exists leaves it in its place.
+/// to one that exists leaves it in its place, and its joint.
 class OptionalActuator {
  public:
   OptionalActuator() = default;
@@ -141,7 +163,7 @@ class OptionalActuator {
   OptionalActuator& operator=(OptionalActuator&&) = default;
   OptionalActuator& operator=(const OptionalActuator& other) {
     if (own_ != nullptr && other.own_ != nullptr) {
-      *own_ = *other.own_;
+      own_->Take(*other.own_);
     } else {
       own_ = other.own_ == nullptr ? nullptr : std::make_unique<Actuator>(*other.own_);
     }
@@ -150,7 +172,8 @@ class OptionalActuator {
 
   explicit operator bool() const { return own_ != nullptr; }
   Actuator* operator->() const { return own_.get(); }
-  Actuator& operator*() const { return *own_; }
+  Actuator* get() const { return own_.get(); }
+  Grip* grip() const { return own_ == nullptr ? nullptr : own_->grip(); }
 
   template <class Archive>
   void Serialize(Archive& archive) {

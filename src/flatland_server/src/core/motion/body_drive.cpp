@@ -1,5 +1,7 @@
 #include "motion/body_drive.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace flatland {
@@ -23,9 +25,19 @@ void BodyDrive::Command(const Twist& target) {
   if (actuator_) actuator_->Command();
 }
 
+Fastest BodyDrive::GetFastest() const {
+  const auto speed_of = [](const Twist& twist) {
+    return std::sqrt(twist.vx * twist.vx + twist.vy * twist.vy);
+  };
+  const Twist& present = velocity();
+  return {std::max(speed_of(present), linear_.Limited(speed_of(target_))),
+          std::max(std::abs(present.omega), angular_.Limited(std::abs(target_.omega)))};
+}
+
 void BodyDrive::Reset() {
   target_ = {};
   velocity_ = {};
+  motion_ = {};
   if (actuator_) actuator_->Reset();
 }
 
@@ -38,11 +50,13 @@ void BodyDrive::BeginStep(b2Body& body, double dt) {
   VelocityChange rotating = angular_.Approach({velocity_.omega, 0.0}, {target.omega, 0.0}, dt);
   velocity_ = {planar.reached.x, planar.reached.y, rotating.reached.x};
   if (actuator_) actuator_->Follow(planar, rotating, dt);
-  motion_.Begin(body, {planar.mean.x, planar.mean.y, rotating.mean.x}, dt);
+  const Twist mean{planar.mean.x, planar.mean.y, rotating.mean.x};
+  if (actuator_) actuator_->Roll(mean);
+  motion_.Begin(body, mean, dt, actuator_.grip());
 }
 
 void BodyDrive::EndStep(b2Body& body) {
-  if (!is_idle_) motion_.End(body, velocity());
+  if (!is_idle_) motion_.End(body, velocity(), actuator_.grip());
 }
 
 }  // namespace flatland

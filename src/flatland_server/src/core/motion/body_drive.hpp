@@ -31,11 +31,20 @@ class BodyDrive {
   /// The present velocity, on its way to the target.
   const Twist& velocity() const { return actuator_ ? actuator_->velocity() : velocity_; }
   OptionalActuator& actuator() { return actuator_; }
+  /// The greatest speed [m/s] and yaw rate [rad/s] that it may have in the next step.
+  Fastest GetFastest() const;
   /// Sets the velocity and the target to zero at once.
   void Reset();
+  /// To be called when the body was moved.
+  void Rebase() { motion_.Rebase(); }
   /// Begins other random numbers, of the actuators' noise.
   void Seed(uint64_t key) {
     if (actuator_) actuator_->Seed(key);
+  }
+
+  /// Called for each joint that another one has taken the place of, or null: it is destroyed.
+  void Replace(const b2Joint* joint, b2Joint* other) {
+    if (actuator_) actuator_->Replace(joint, other);
   }
 
   /// Sets the body's velocity for the next step of `dt` [s].

@@ -28,10 +28,18 @@ void TricycleDrive::Command(double speed, double angle) {
   if (actuator_) actuator_->Command();
 }
 
+Fastest TricycleDrive::GetFastest() const {
+  const double speed =
+      std::max(std::abs(this->speed()), settings_.linear.Limited(std::abs(target_speed_)));
+  const double angle = std::max(std::abs(steer_angle()), std::abs(target_angle_));
+  return {speed, speed * std::min(angle, 1.0) / wheelbase_};
+}
+
 void TricycleDrive::Reset() {
   target_speed_ = speed_ = 0.0;
   target_angle_ = steering_.angle = steer_angle();
   steering_.rate = 0.0;
+  motion_ = {};
   if (actuator_) actuator_->Reset();
 }
 
@@ -55,11 +63,13 @@ void TricycleDrive::BeginStep(b2Body& body, double dt) {
     VelocityChange none;
     actuator_->Follow(rolling, none, dt);
   }
-  motion_.Begin(body, TwistAt(rolling.mean.x, halfway), dt);
+  const Twist mean = TwistAt(rolling.mean.x, halfway);
+  if (actuator_) actuator_->Roll(mean);
+  motion_.Begin(body, mean, dt, actuator_.grip());
 }
 
 void TricycleDrive::EndStep(b2Body& body) {
-  motion_.End(body, TwistAt(speed(), steer_angle()));
+  motion_.End(body, TwistAt(speed(), steer_angle()), actuator_.grip());
   if (front_wheel_ == nullptr) return;
   PlaceSteeredWheel(*front_wheel_, body, heading_ + steer_angle());
 }

@@ -41,9 +41,13 @@ class TricycleDrive {
   /// Present steering angle [rad], positive to the left.
   double steer_angle() const { return actuator_ ? actuator_->velocity().omega : steering_.angle; }
   OptionalActuator& actuator() { return actuator_; }
+  /// The greatest speed [m/s] and yaw rate [rad/s] that it may have in the next step.
+  Fastest GetFastest() const;
   /// Sets the speed, the steering rate and the commanded speed to zero at once; the steering angle
   /// stays.
   void Reset();
+  /// To be called when the body was moved.
+  void Rebase() { motion_.Rebase(); }
   /// Begins other random numbers, of the actuators' noise.
   void Seed(uint64_t key) {
     if (actuator_) actuator_->Seed(key);
@@ -53,6 +57,7 @@ class TricycleDrive {
   /// is the front wheel's, that is not rotated any more.
   void Replace(const b2Joint* joint, b2Joint* other) {
     if (joint == front_wheel_) front_wheel_ = static_cast<b2RevoluteJoint*>(other);
+    if (actuator_) actuator_->Replace(joint, other);
   }
 
   /// Takes all but the joint of another one.

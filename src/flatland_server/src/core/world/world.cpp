@@ -3,6 +3,9 @@
 
 #include "world/world.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/box2d_limits.hpp"
 #include "base/to_box2d.hpp"
 #include "world/box2d_internals.hpp"
@@ -35,6 +38,38 @@ World::~World() = default;
 
 void World::Step(double dt, const AccessGuard&) {
   Require(IsUsable(dt) && dt >= kMinStep, "a step must be finite and longer than zero");
+  const int parts = PartsOf(dt);
+  if (parts == 1) return StepOnce(dt);
+  world_->SetAutoClearForces(false);  // a force is that of the whole step
+  const double nanoseconds = std::nearbyint(dt * 1e9);  // drives and drifts count whole ones
+  const auto end_of = [=](int part) { return std::floor(nanoseconds * part / parts); };
+  for (int i = 0; i < parts; ++i) StepOnce((end_of(i + 1) - end_of(i)) * 1e-9);
+  world_->ClearForces();
+  world_->SetAutoClearForces(true);
+}
+
+int World::PartsOf(double dt) {
+  double most = 0.0;  // of what a body may move or turn in one step
+  const auto consider = [&](double speed, double omega) {
+    most = std::max({most, speed * dt / double{b2_maxTranslation},
+                     std::abs(omega) * dt / double{b2_maxRotation}});
+  };
+  for (const BodyRecord* record : bodies_.Moving()) {
+    const b2Vec2 velocity = record->body->GetLinearVelocity();
+    consider(std::sqrt(double{b2Dot(velocity, velocity)}), record->body->GetAngularVelocity());
+  }
+  mechanisms_.ForEachDrive([&](Body body, const auto& drive) {
+    const auto [speed, omega] = drive.GetFastest();
+    const b2Vec2 center = b2Abs(bodies_.Get(body).body->GetLocalCenter());
+    consider(speed + omega * (double{center.x} + double{center.y}), omega);
+  });
+  if (most <= 1.0) return 1;
+  // A part of a nanosecond or more; NaN does not come here.
+  const double parts = std::min({std::ceil(most * (1.0 + 1e-6)), double{kMostParts}, dt * 1e9});
+  return std::max(1, static_cast<int>(parts));
+}
+
+void World::StepOnce(double dt) {
   bodies_.ChangePoses();
   const auto for_each = [this](auto visit) {
     mechanisms_.ForEachMap([&](auto& map) {
