@@ -298,13 +298,13 @@ def test_it_has_the_actuators_of_any_drive(files):
     """A delay of both axes, and traction: it speeds up by mu g, whatever it is commanded."""
     keys = "{delay: 0.1, linear: {time_constant: 0.5}, traction: {friction: 0.1}}"
     robot = racecar(files, f"actuators: {keys}", SLIP).drive(0.0, 0.0).run(0.1)
-    robot.world.plugins_of("robot")["drive"].command(9.0, 0.2)
+    robot.world.plugins_of("robot")["drive"].command(9.0, 0.01)
     robot.run(0.1)
     assert (core_of(robot).speed, core_of(robot).steer_angle) == (0.0, 0.0)
 
     robot.run(1.0)
 
-    assert core_of(robot).steer_angle == 0.2
+    assert core_of(robot).steer_angle == 0.01
     assert core_of(robot).speed == pytest.approx(9.0 * (1.0 - math.exp(-2.0)), rel=1e-2)
     body = robot.model().base.physics_body
     assert math.hypot(*body.velocity_at(body.center)) == pytest.approx(0.1 * 9.81, rel=0.05)
