@@ -74,8 +74,12 @@ class TwistDrive(OdometryPlugin, ABC):
         """
         self._actuators = config.read_once(Actuators.read, is_steered)
         if self._actuators.has_force and not body.physics_body.inertia:
-            found = f"{body.config.type} one" if body.config.type != "dynamic" else "without density"
-            config.problem(f"a limited force needs a dynamic body with a density, found a {found}", "actuators")
+            found = (
+                f"{body.config.type} one" if body.config.type != "dynamic" else "without density"
+            )
+            config.problem(
+                f"a limited force needs a dynamic body with a density, found a {found}", "actuators"
+            )
         return self._actuators.for_core(self.rng)
 
     @property

@@ -110,9 +110,7 @@ def test_with_slip_it_drives_as_commonroads_single_track_model(vehicle):
     state = commonroad(*vehicle)
     expected = [state[0], state[1], state[4], state[6]]
 
-    errors = [
-        np.abs(np.array(ours(*vehicle, step)) - expected) for step in (0.01, 0.005, 0.001)
-    ]
+    errors = [np.abs(np.array(ours(*vehicle, step)) - expected) for step in (0.01, 0.005, 0.001)]
 
     assert errors[2].max() < 1e-4
     # Second order: a quarter with steps of half the length.
@@ -279,7 +277,9 @@ def test_the_axes_of_its_wheels_meet_in_one_point(files, keys):
     robot.world.plugins_of("robot")["drive"].command(1.0, 0.4)
     robot.run(0.5)
 
-    base, left, right = (robot.model().get_body(name).pose for name in ("base_link", "left", "right"))
+    base, left, right = (
+        robot.model().get_body(name).pose for name in ("base_link", "left", "right")
+    )
     center = 0.33 / math.tan(0.4)
     for wheel, y in ((left, 0.12), (right, -0.12)):
         angle = math.remainder(wheel.yaw - base.yaw, math.tau)

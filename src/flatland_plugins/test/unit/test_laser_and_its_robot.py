@@ -48,8 +48,13 @@ def test_it_does_not_see_the_bodies_that_it_ignores(files):
 
 def test_the_bodies_of_other_robots_are_seen(files):
     """Also if they have the names of those that it ignores, and after one was deleted."""
-    files.write("robot.model.yaml", MODEL.lstrip("\n").replace("KEYS", "ignore_bodies: [arm, post],"))
-    models = {f"r{k}": f"model: robot.model.yaml, namespace: r{k}, pose: [{2 * k}, 0, 0]" for k in range(2)}
+    files.write(
+        "robot.model.yaml", MODEL.lstrip("\n").replace("KEYS", "ignore_bodies: [arm, post],")
+    )
+    models = {
+        f"r{k}": f"model: robot.model.yaml, namespace: r{k}, pose: [{2 * k}, 0, 0]"
+        for k in range(2)
+    }
     both = files.load_models(models)
 
     assert list(both.run().last("/r0/scan").ranges) == pytest.approx([1.4, math.inf], abs=1e-5)
@@ -74,14 +79,16 @@ def test_noise_leaves_no_range_below_the_least():
     assert noisy[:, 0].min() == np.float32(0.4)
     assert noisy[:, 0].max() > 1.0
     assert (noisy[:, 1:] == [-np.inf, np.inf]).all()
-    with pytest.raises(ValueError):
+    with pytest.raises(ValueError, match="least range"):
         RangeNoise(7, 0.5, 2.0, 2.1)
 
 
 def test_batches_and_pictures_know_both(files):
     robot(files, "range_min: 0.45, ignore_bodies: [arm], noise_std_dev: 0.1").world.close()
     world = files.folder / "world.yaml"
-    with Simulation(world, seed=3) as simulation, SimulationBatch(world, 3, seed=[3, 4, 5]) as batch:
+    with Simulation(world, seed=3) as simulation, SimulationBatch(
+        world, 3, seed=[3, 4, 5]
+    ) as batch:
         found = batch.observe().ranges
         assert found[0].tolist() == simulation.models["robot"].sensors["laser"].read().tolist()
         assert (found[:, 0] == -np.inf).all()

@@ -35,9 +35,9 @@ class ActuatedRobot : public testing::Test {
 
 TEST(ActuatorSettings, AreRefusedIfTheyAreNegativeNotFiniteOrTooLong) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const AxisSettings& axis : {AxisSettings{-0.1}, AxisSettings{nan}, AxisSettings{10.1},
-                                   AxisSettings{0.0, -1.0}, AxisSettings{0.0, 0.0, -1.0},
-                                   AxisSettings{0.0, 0.0, 0.0, 2e9}}) {
+  for (const AxisSettings& axis :
+       {AxisSettings{-0.1}, AxisSettings{nan}, AxisSettings{10.1}, AxisSettings{0.0, -1.0},
+        AxisSettings{0.0, 0.0, -1.0}, AxisSettings{0.0, 0.0, 0.0, 2e9}}) {
     EXPECT_THROW(Actuator(Linear(axis), false), std::invalid_argument);
   }
   ActuatorSettings settings;

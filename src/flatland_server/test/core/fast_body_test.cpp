@@ -66,7 +66,8 @@ TEST_F(FastBody, IsHeldBackAtLast) {
   EXPECT_NEAR(world_.GetPose(body_).x, 2.0 * World::kMostParts, 1e-2);
 }
 
-// 100 km from the origin, a step of 1 m/s is rounded by up to 3 mm, and the next one makes up for it.
+// 100 km from the origin, a step of 1 m/s is rounded by up to 3 mm, and the next one makes up for
+// it.
 TEST_F(FastBody, LeavesItsRoundingBehindWhenItIsMoved) {
   for (const double away : {1e4, 9e4}) {
     const World::Drive drive = world_.AddDrive(body_, {}, {});

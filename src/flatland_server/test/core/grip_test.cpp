@@ -64,7 +64,8 @@ TEST_F(GrippingRobot, HasTheTorqueOfItsForceAtTheRadiusOfGyration) {
   EXPECT_NEAR(world_.GetVelocity(robot).omega, torque / inertia * 0.25, 1e-3);
 }
 
-// With a force that is enough, it moves as without limits: within rounding, and far from the origin.
+// With a force that is enough, it moves as without limits: within rounding, and far from the
+// origin.
 TEST_F(GrippingRobot, MovesAsOneWithoutLimitsIfItsForceIsEnough) {
   for (const Pose& start : {Pose{1.0, -2.0, 0.7}, Pose{50.0, -60.0, 0.0}}) {
     const World::Body robot = AddRobot(Limited(1e4, 1e4, 0.0), start);
@@ -159,7 +160,8 @@ TEST_F(GrippingRobot, LeavesACurveThatIsTooFast) {
     world_.Get(drive_).Command({2.0, 0.0, 1.0});
     StepTimes(world_, 600);
     const Pose pose = world_.GetPose(robot);
-    const double away = std::hypot(pose.x - 2.0 * std::sin(3.0), pose.y - 2.0 * (1 - std::cos(3.0)));
+    const double away =
+        std::hypot(pose.x - 2.0 * std::sin(3.0), pose.y - 2.0 * (1 - std::cos(3.0)));
     if (holds) {
       EXPECT_LT(away, 1e-3);
     } else {
@@ -183,9 +185,10 @@ TEST_F(GrippingRobot, CarriesItsWheelsMass) {
 
 TEST_F(GrippingRobot, MeasuresItsWheelsIfTheySlip) {
   world_.AddLayer({{{1.0, -5.0}, {1.0, 5.0}}}, kAllLayers);
-  for (const auto& [settings, slips] :
-       {std::pair{Limited(0.0, 0.0, 0.3), true}, {Limited(40.0, 0.0, 0.0), false},
-        {Limited(40.0, 0.0, 0.3), false}, {Limited(400.0, 0.0, 0.3), true}}) {
+  for (const auto& [settings, slips] : {std::pair{Limited(0.0, 0.0, 0.3), true},
+                                        {Limited(40.0, 0.0, 0.0), false},
+                                        {Limited(40.0, 0.0, 0.3), false},
+                                        {Limited(400.0, 0.0, 0.3), true}}) {
     SCOPED_TRACE(testing::Message() << settings.force.max_force << " " << settings.force.friction);
     const World::Body robot = AddRobot(settings);
     const World::Drift odometry = world_.AddDrift(robot, {}, 0.0, 1);

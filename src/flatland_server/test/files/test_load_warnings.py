@@ -23,9 +23,7 @@ DRIVE = "{type: DiffDrive, name: drive, body: base}"
 LASER = "{type: Laser, name: laser, range: 5, angle: {min: 0, max: 0, increment: 1}"
 
 # The file, what is replaced in it by what, and the beginning of the warning.
-LASER_KEYS = (
-    "range: 10\n    angle: {min: -1, max: 1, increment: 0.1}\n    ignore_bodies: [wheel]"
-)
+LASER_KEYS = "range: 10\n    angle: {min: -1, max: 1, increment: 0.1}\n    ignore_bodies: [wheel]"
 ON_A_VERTEX = LASER_KEYS.replace("angle", "origin: [0.2, 0.1, 0]\n    angle").partition("ignore")[0]
 TRAPS = {
     "a threshold in per cent": (MAP, "0.65", "65",

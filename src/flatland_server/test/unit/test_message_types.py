@@ -98,7 +98,10 @@ def test_a_type_is_that_of_ros(name):
 
 @pytest.mark.parametrize(
     ("name", "md5"),
-    [("AckermannDrive", "3512e91b48d69674a0e86fadf1ea8231"), ("AckermannDriveStamped", "1fd5d7f58889cefd44d29f6653240d0c")],
+    [
+        ("AckermannDrive", "3512e91b48d69674a0e86fadf1ea8231"),
+        ("AckermannDriveStamped", "1fd5d7f58889cefd44d29f6653240d0c"),
+    ],
 )
 def test_types_that_debian_does_not_have_have_their_published_sums(name, md5):
     """As genmsg computes them of the files of ackermann_msgs 1.0.2."""

@@ -13,8 +13,8 @@ DynamicsLimits ToLimits(const Triple& t) {
   return {std::get<0>(t), std::get<1>(t), std::get<2>(t)};
 }
 
-/// Each axis as (delay, time_constant, dead_band, noise); command_timeout; the key of the noise; and
-/// (max_force, max_torque, friction).
+/// Each axis as (delay, time_constant, dead_band, noise); command_timeout; the key of the noise;
+/// and (max_force, max_torque, friction).
 using Axis = std::array<double, 4>;
 using Actuators = std::tuple<Axis, Axis, double, uint64_t, Triple>;
 
@@ -76,10 +76,9 @@ void BindDrive(py::module_& m) {
          py::arg("acceleration"), py::arg("jerk"))
       .def_property_readonly(
           "speed", [](const PyAckermann& self) { return self.world->Get(self.handle).speed(); })
-      .def_property_readonly("steer_angle",
-                             [](const PyAckermann& self) {
-                               return self.world->Get(self.handle).steer_angle();
-                             })
+      .def_property_readonly(
+          "steer_angle",
+          [](const PyAckermann& self) { return self.world->Get(self.handle).steer_angle(); })
       .def_property_readonly("slip_angle", [](const PyAckermann& self) {
         return self.world->Get(self.handle).slip_angle();
       });
@@ -130,22 +129,22 @@ void BindDrivesOf(py::class_<PyBody>& body) {
              const std::vector<PyJoint>& wheels, const Triple& linear, double jerk,
              const Triple& steering, const std::optional<PySingleTrack>& single_track,
              const std::optional<Actuators>& actuators) {
-            AckermannSettings settings{wheelbase,       max_steer_angle,    ToLimits(linear), jerk,
-                                       ToLimits(steering), std::nullopt, ToActuator(actuators)};
+            AckermannSettings settings{
+                wheelbase,          max_steer_angle, ToLimits(linear),     jerk,
+                ToLimits(steering), std::nullopt,    ToActuator(actuators)};
             if (single_track) {
               const auto [mass, inertia, center, height, friction, front, rear] = *single_track;
               settings.single_track = {mass, inertia, center, height, friction, front, rear};
             }
             std::vector<World::Joint> joints;
             for (const PyJoint& each : wheels) joints.push_back(each.handle);
-            return PyAckermann{self.world,
-                               self.world->AddAckermann(self.handle, joints, settings)};
+            return PyAckermann{self.world, self.world->AddAckermann(self.handle, joints, settings)};
           },
           py::arg("wheelbase"), py::arg("max_steer_angle"), py::kw_only(),
           py::arg("wheels") = std::vector<PyJoint>(),
           py::arg("linear_limits") = Triple{0.0, 0.0, 0.0}, py::arg("jerk_limit") = 0.0,
-          py::arg("steering_limits") = Triple{0.0, 0.0, 0.0},
-          py::arg("single_track") = py::none(), py::arg("actuators") = py::none())
+          py::arg("steering_limits") = Triple{0.0, 0.0, 0.0}, py::arg("single_track") = py::none(),
+          py::arg("actuators") = py::none())
       .def(
           "add_tween",
           [](PyBody& self, const Triple& delta, double duration, const std::string& mode,

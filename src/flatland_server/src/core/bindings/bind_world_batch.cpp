@@ -279,7 +279,8 @@ void BindWorldBatch(py::module_& m) {
           },
           py::arg("row"))
       .def("load_states", &LoadStates, py::arg("mask").noconvert().none(true), py::arg("states"),
-           py::arg("walls"), py::arg("chosen").noconvert(), py::arg("steps").noconvert(), py::arg("out"))
+           py::arg("walls"), py::arg("chosen").noconvert(), py::arg("steps").noconvert(),
+           py::arg("out"))
       .def("observe", &Observe, py::arg("out"))
       .def(
           "replace",

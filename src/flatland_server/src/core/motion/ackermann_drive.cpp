@@ -32,8 +32,8 @@ AckermannDrive::AckermannDrive(const AckermannSettings& settings,
   if (settings.actuator) actuator_ = OptionalActuator(Actuator(*settings.actuator, true));
   if (!settings.single_track) return;
   const SingleTrack& car = *settings.single_track;
-  for (double value : {car.mass, car.inertia, car.friction, car.front_stiffness,
-                       car.rear_stiffness}) {
+  for (double value :
+       {car.mass, car.inertia, car.friction, car.front_stiffness, car.rear_stiffness}) {
     Require(IsUsable(value) && value >= 1e-9, "a car's constants must be finite and above zero");
   }
   RequireNotNegative(car.height, "a height must be finite and not negative");
@@ -149,8 +149,7 @@ Twist AckermannDrive::AdvanceSlip(double from_speed, double from_angle, double d
   const double shift = std::clamp(car.height * (to_speed - from_speed) / dt, -kGravity * front,
                                   kGravity * rear);  // no axle carries less than nothing
   // Cornering stiffness of an axle per mass [m/s^2 per rad], by its share of the load.
-  const double of_front =
-      car.friction * car.front_stiffness * (kGravity * rear - shift) / length;
+  const double of_front = car.friction * car.front_stiffness * (kGravity * rear - shift) / length;
   const double of_rear = car.friction * car.rear_stiffness * (kGravity * front + shift) / length;
   const double agility = car.mass / car.inertia;
 
@@ -213,8 +212,7 @@ void AckermannDrive::EndStep(b2Body& body) {
     if (joint == nullptr) continue;
     const b2Vec2 hub =
         joint->GetBodyA() == &body ? joint->GetLocalAnchorA() : joint->GetLocalAnchorB();
-    PlaceSteeredWheel(*joint, body,
-                      std::atan2(hub.x * slope, settings_.wheelbase - hub.y * slope));
+    PlaceSteeredWheel(*joint, body, std::atan2(hub.x * slope, settings_.wheelbase - hub.y * slope));
   }
 }
 

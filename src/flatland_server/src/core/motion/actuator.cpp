@@ -36,9 +36,8 @@ Vec2 DelayLine::Pass(Vec2 value, uint64_t now, uint64_t delay) {
   if (delay == 0) return value;
   if (value.x != last_in_.x || value.y != last_in_.y) under_way_.push_back({now, value});
   last_in_ = value;
-  const auto arrived =
-      std::find_if(under_way_.begin(), under_way_.end(),
-                   [&](const Entry& each) { return each.time + delay > now; });
+  const auto arrived = std::find_if(under_way_.begin(), under_way_.end(),
+                                    [&](const Entry& each) { return each.time + delay > now; });
   if (arrived != under_way_.begin()) {
     out_ = (arrived - 1)->value;
     under_way_.erase(under_way_.begin(), arrived);

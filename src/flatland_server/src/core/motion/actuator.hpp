@@ -18,9 +18,9 @@ namespace flatland {
 struct AxisSettings {
   double delay = 0.0;          ///< dead time of commands, 10 at most [s]
   double time_constant = 0.0;  ///< of a first-order lag [s]
-  double dead_band = 0.0;      ///< a lower command counts as 0 [m/s or rad/s]; for a steering angle:
-                               ///< one that is nearer to the angle that is held changes nothing [rad]
-  double noise = 0.0;          ///< of the velocity: spectral density, while it moves [m^2/s, rad^2/s]
+  double dead_band = 0.0;  ///< a lower command counts as 0 [m/s or rad/s]; for a steering angle:
+                           ///< one that is nearer to the angle that is held changes nothing [rad]
+  double noise = 0.0;      ///< of the velocity: spectral density, while it moves [m^2/s, rad^2/s]
 };
 
 struct ActuatorSettings {
@@ -151,8 +151,8 @@ class Actuator {
   Grip grip_;
 };
 
-/// The actuator of a drive, or none, which costs nothing. It is copied with the drive; an assignment
-/// to one that exists leaves it in its place, and its joint.
+/// The actuator of a drive, or none, which costs nothing. It is copied with the drive; an
+/// assignment to one that exists leaves it in its place, and its joint.
 class OptionalActuator {
  public:
   OptionalActuator() = default;
@@ -186,7 +186,8 @@ class OptionalActuator {
 };
 
 /// Steers for `dt` [s] towards an angle [rad], within limits, and then as the actuator does, if
-/// there is one. `steering` is what the limits allow. Returns the wheels' angle after half the time.
+/// there is one. `steering` is what the limits allow. Returns the wheels' angle after half the
+/// time.
 double Steer(SteeringState& steering, double target, const DynamicsLimits& limits,
              OptionalActuator& actuator, double dt);
 

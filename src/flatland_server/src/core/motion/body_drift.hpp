@@ -41,8 +41,8 @@ class BodyDrift {
   BodyDrift() = default;
   /// The first estimate is `start`; updates are `period` [s] apart, or every step if that is 0.
   /// Equal keys and motions give equal errors. Throws std::invalid_argument if a variance or the
-  /// period is negative or not finite. `wheels` are those of a drive that lives as long, and may slip;
-  /// without them, the wheels roll with the body.
+  /// period is negative or not finite. `wheels` are those of a drive that lives as long, and may
+  /// slip; without them, the wheels roll with the body.
   BodyDrift(const DriftVariances& variances, double period, uint64_t key, const Pose& start,
             const Actuator* wheels = nullptr);
 

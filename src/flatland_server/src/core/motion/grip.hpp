@@ -38,8 +38,8 @@ class Grip {
 
   /// Before a step: sets the limits for a body of this mass on its wheels [kg].
   void Begin(const b2Body& body, double mass_on_wheels);
-  /// True if wheels spin or slide when the force, or the torque, is not enough; otherwise the motors
-  /// stall, and the wheels roll with the body.
+  /// True if wheels spin or slide when the force, or the torque, is not enough; otherwise the
+  /// motors stall, and the wheels roll with the body.
   bool slips() const { return slips_; }
   bool spins() const { return spins_; }
 

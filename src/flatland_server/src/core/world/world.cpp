@@ -40,7 +40,7 @@ void World::Step(double dt, const AccessGuard&) {
   Require(IsUsable(dt) && dt >= kMinStep, "a step must be finite and longer than zero");
   const int parts = PartsOf(dt);
   if (parts == 1) return StepOnce(dt);
-  world_->SetAutoClearForces(false);  // a force is that of the whole step
+  world_->SetAutoClearForces(false);                    // a force is that of the whole step
   const double nanoseconds = std::nearbyint(dt * 1e9);  // drives and drifts count whole ones
   const auto end_of = [=](int part) { return std::floor(nanoseconds * part / parts); };
   for (int i = 0; i < parts; ++i) StepOnce((end_of(i + 1) - end_of(i)) * 1e-9);

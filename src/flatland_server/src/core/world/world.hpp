@@ -204,8 +204,8 @@ class World : public Access, private b2DestructionListener {
   /// Drives the body as a tricycle. `front_wheel`, a revolute joint of the body, holds the body of
   /// the front wheel, which is rotated to show the steering angle.
   Tricycle AddTricycle(Body body, Joint front_wheel, const TricycleSettings& settings);
-  /// Drives the body as a car. `wheels`, revolute joints of the body, hold the bodies of the steered
-  /// wheels, which are rotated to show their angles: 2 at most.
+  /// Drives the body as a car. `wheels`, revolute joints of the body, hold the bodies of the
+  /// steered wheels, which are rotated to show their angles: 2 at most.
   Ackermann AddAckermann(Body body, const std::vector<Joint>& wheels,
                          const AckermannSettings& settings);
   /// Moves the body along a prescribed path, starting at its present pose.

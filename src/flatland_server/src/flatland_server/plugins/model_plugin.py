@@ -117,9 +117,7 @@ class ModelPlugin(Plugin):
                 config.problem(str(error), key)
         return set(names)
 
-    def get_joint(
-        self, config: YamlReader, key: str, default: Any = REQUIRED
-    ) -> Optional[Joint]:
+    def get_joint(self, config: YamlReader, key: str, default: Any = REQUIRED) -> Optional[Joint]:
         """The joint named by a key of the configuration.
 
         Args:

@@ -218,9 +218,9 @@ def _warn_of_own_footprints(config: ModelConfig, name: str, lidar: YamlReader) -
             points = [relative.apply(x, y) for x, y in _outline(footprint)]
             if any(_contains(other, point) or _gap(other, point) < _TOUCH for point in points):
                 lidar.warn(
-                    f'is inside a footprint of its own model, and sees another one, of "{body.name}"'
-                    f', that overlaps it: write "ignore_bodies: [{body.name}]", or "layers: []" for '
-                    "that footprint",
+                    "is inside a footprint of its own model, and sees another one, of "
+                    f'"{body.name}", that overlaps it: write "ignore_bodies: [{body.name}]", or '
+                    '"layers: []" for that footprint',
                     "origin",
                 )
                 return

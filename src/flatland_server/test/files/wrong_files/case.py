@@ -6,8 +6,8 @@ WORLD, MAP, LINES, DATA = "world.yaml", "map.yaml", "lines.yaml", "lines.dat"
 MODEL = "robot.model.yaml"
 
 PLUGINS = (
-    "AckermannDrive, BoolSensor, Bumper, Crowd, DiffDrive, DummyModelPlugin, DummyWorldPlugin, Gps, "
-    "Imu, JointMotor, JointStatePublisher, Laser, ModelTfPublisher, OmniDrive, Pedestrian, "
+    "AckermannDrive, BoolSensor, Bumper, Crowd, DiffDrive, DummyModelPlugin, DummyWorldPlugin, "
+    "Gps, Imu, JointMotor, JointStatePublisher, Laser, ModelTfPublisher, OmniDrive, Pedestrian, "
     "PosePublisher, RandomWall, TricycleDrive, Tween"
 )
 
