@@ -50,15 +50,15 @@ class Actuators(NamedTuple):
         shared = tuple(_time(section, key, 0.0) for key in ("delay", "time_constant"))
         linear = _read_axis(section.get_section("linear"), shared)
         angular = _read_axis(section.get_section("angular"), shared, has_noise=not is_steered)
-        numbers = [
+        timeout, max_force, max_torque = (
             section.get_float(key, 0.0, minimum=0.0)
             for key in ("command_timeout", "max_force", "max_torque")
-        ]
+        )
         traction = section.get_section("traction")
         friction = traction.get_float("friction", 0.0, minimum=0.0)
         traction.finish()
         section.finish()
-        return cls(linear, angular, *numbers, friction)
+        return cls(linear, angular, timeout, max_force, max_torque, friction)
 
     @property
     def is_random(self) -> bool:

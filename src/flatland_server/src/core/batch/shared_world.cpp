@@ -105,9 +105,9 @@ std::unique_ptr<SharedState> SharedWorld::MakeState(SharedState::Walls walls) {
   state->bytes_ = empty_;
   state->held_.resize(layers.size());
   state->nearby_.resize(world_->bodies_.Moving().size());
+  state->walls_ = std::move(walls);
   const auto add_line = [&](DelayLine&) { state->lines_.emplace_back(); };
   world_->mechanisms_.ForEachActuator([&](auto, Actuator& each) { each.ForEachLine(add_line); });
-  state->walls_ = std::move(walls);
   beginning_.Restore(Entered(*this, *state).world());
   return state;
 }

@@ -26,11 +26,10 @@ void BodyDrive::Command(const Twist& target) {
 }
 
 Fastest BodyDrive::GetFastest() const {
-  const auto speed_of = [](const Twist& twist) {
-    return std::sqrt(twist.vx * twist.vx + twist.vy * twist.vy);
-  };
+  const auto square = [](const Twist& twist) { return twist.vx * twist.vx + twist.vy * twist.vy; };
+  const double limit = linear_.velocity, target = square(target_);
   const Twist& present = velocity();
-  return {std::max(speed_of(present), linear_.Limited(speed_of(target_))),
+  return {std::max(square(present), limit > 0.0 ? std::min(target, limit * limit) : target),
           std::max(std::abs(present.omega), angular_.Limited(std::abs(target_.omega)))};
 }
 

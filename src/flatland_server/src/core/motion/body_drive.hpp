@@ -31,7 +31,7 @@ class BodyDrive {
   /// The present velocity, on its way to the target.
   const Twist& velocity() const { return actuator_ ? actuator_->velocity() : velocity_; }
   OptionalActuator& actuator() { return actuator_; }
-  /// The greatest speed [m/s] and yaw rate [rad/s] that it may have in the next step.
+  /// The greatest speed and yaw rate that it may have in the next step.
   Fastest GetFastest() const;
   /// Sets the velocity and the target to zero at once.
   void Reset();

@@ -12,10 +12,10 @@ struct VelocityChange {
   Vec2 mean;     ///< times the step, it is the distance covered [m/s]
 };
 
-/// The greatest speed [m/s] and yaw rate [rad/s] of something.
+/// The greatest speed and yaw rate of something.
 struct Fastest {
-  double speed = 0.0;
-  double omega = 0.0;
+  double squared_speed = 0.0;  ///< [m^2/s^2]
+  double omega = 0.0;          ///< [rad/s]
 };
 
 /// Limits of a velocity and its rate of change. Zero means no limit.

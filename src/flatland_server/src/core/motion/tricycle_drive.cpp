@@ -32,7 +32,7 @@ Fastest TricycleDrive::GetFastest() const {
   const double speed =
       std::max(std::abs(this->speed()), settings_.linear.Limited(std::abs(target_speed_)));
   const double angle = std::max(std::abs(steer_angle()), std::abs(target_angle_));
-  return {speed, speed * std::min(angle, 1.0) / wheelbase_};
+  return {speed * speed, speed * std::min(angle, 1.0) / wheelbase_};
 }
 
 void TricycleDrive::Reset() {

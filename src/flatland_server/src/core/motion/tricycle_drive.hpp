@@ -41,7 +41,7 @@ class TricycleDrive {
   /// Present steering angle [rad], positive to the left.
   double steer_angle() const { return actuator_ ? actuator_->velocity().omega : steering_.angle; }
   OptionalActuator& actuator() { return actuator_; }
-  /// The greatest speed [m/s] and yaw rate [rad/s] that it may have in the next step.
+  /// The greatest speed and yaw rate that it may have in the next step.
   Fastest GetFastest() const;
   /// Sets the speed, the steering rate and the commanded speed to zero at once; the steering angle
   /// stays.

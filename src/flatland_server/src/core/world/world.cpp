@@ -49,22 +49,25 @@ void World::Step(double dt, const AccessGuard&) {
 }
 
 int World::PartsOf(double dt) {
-  double most = 0.0;  // of what a body may move or turn in one step
+  const double way = double{b2_maxTranslation} / dt, turn = double{b2_maxRotation} / dt;
+  double most = 1.0;  // times that of one step
   const auto consider = [&](double speed, double omega) {
-    most = std::max({most, speed * dt / double{b2_maxTranslation},
-                     std::abs(omega) * dt / double{b2_maxRotation}});
+    most = std::max({most, speed / way, omega / turn});
   };
   for (const BodyRecord* record : bodies_.Moving()) {
     const b2Vec2 velocity = record->body->GetLinearVelocity();
-    consider(std::sqrt(double{b2Dot(velocity, velocity)}), record->body->GetAngularVelocity());
+    const double squared = b2Dot(velocity, velocity);
+    const double omega = std::abs(record->body->GetAngularVelocity());
+    if (squared > way * way || omega > turn) consider(std::sqrt(squared), omega);
   }
   mechanisms_.ForEachDrive([&](Body body, const auto& drive) {
-    const auto [speed, omega] = drive.GetFastest();
-    const b2Vec2 center = b2Abs(bodies_.Get(body).body->GetLocalCenter());
-    consider(speed + omega * (double{center.x} + double{center.y}), omega);
+    const auto [squared, omega] = drive.GetFastest();
+    if (4.0 * squared <= way * way && 2.0 * omega <= turn) return;
+    const double arm = bodies_.Get(body).body->GetLocalCenter().Length();
+    consider(std::sqrt(squared) + omega * arm, omega);
   });
-  if (most <= 1.0) return 1;
-  // A part of a nanosecond or more; NaN does not come here.
+  if (most == 1.0) return 1;
+  // Each of a nanosecond or more.
   const double parts = std::min({std::ceil(most * (1.0 + 1e-6)), double{kMostParts}, dt * 1e9});
   return std::max(1, static_cast<int>(parts));
 }
