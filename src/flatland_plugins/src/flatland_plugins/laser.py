@@ -143,8 +143,9 @@ class Laser(ModelPlugin):
         return ranges, intensities
 
     def read(self, timekeeper: Timekeeper) -> Float32Array:
-        """The range of each beam [m], shape (n,), as REP 117 says: +inf if it hits nothing, and -inf
-        if that is nearer than `range_min`.
+        """The range of each beam [m], shape (n,), as in REP 117.
+
+        It is +inf if the beam hits nothing, and -inf if that is nearer than `range_min`.
         """
         ranges = self._lidar.ranges()
         return self._add_noise(ranges, timekeeper.nanoseconds) if self._is_noisy else ranges
