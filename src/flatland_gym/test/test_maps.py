@@ -86,15 +86,19 @@ def test_neighbours_behind_the_walls_of_a_map_are_hidden():
     fence = np.hstack([corners[:-1], corners[1:]])
     cell = np.array([[1, -1, 1, 1], [1, 1, -1, 1], [-1, 1, -1, -1], [-1, -1, 1, -1]], float)
     seen = []
-    for walls in (fence, np.concatenate([fence, cell + [3, 3, 3, 3]])):
-        env = make(world="discs", obstacles=3, neighbors=20, neighbor_range=30, maps=lambda rng, w=walls: w)
+    for walls in (fence, np.concatenate([fence, cell + 3])):
+        env = make(
+            world="discs", obstacles=3, neighbors=20, neighbor_range=30, maps=lambda rng, w=walls: w
+        )
         env.reset(seed=3, options={"map": 0})
         simulation, rows = env.navigation.simulation(0), env.navigation
         places = {n: m.pose for n, m in simulation.models.items() if n != "robot"}
         x, y, _ = rows.rows.poses[0]
         lines = [[x, y, place.x, place.y] for place in places.values() if place.x < 1000]
         hidden = rows._maps[0].lines.blocked(np.array(lines))
-        observed = np.count_nonzero(env.navigation.observe()[0, -20 * 6 :].reshape(20, 6).any(axis=1))
+        observed = np.count_nonzero(
+            env.navigation.observe()[0, -20 * 6 :].reshape(20, 6).any(axis=1)
+        )
         seen.append((observed, len(lines), int(hidden.sum())))
     for observed, count, hidden in seen:
         assert observed == count - hidden

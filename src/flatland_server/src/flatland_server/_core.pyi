@@ -327,7 +327,8 @@ class WorldBatch(metaclass=_Metaclass):
         With None, they are those of the world. Nothing changes if it has these already.
 
         Raises:
-            ValueError: the world has no layer, or environments begin near walls. Nothing has changed.
+            ValueError: the world has no layer, or environments begin near walls. Nothing has
+                changed.
         """
     def seed(
         self,
@@ -1369,12 +1370,13 @@ def lower_to_walls(
         side: of a square [m].
     """
 
-def connected(free: BoolArray, start: tuple[int, int]) -> BoolArray:
+def connected(free: BoolArray, start: tuple[int, int] | None) -> BoolArray:
     """The free squares that are connected with one through shared sides: a new array.
 
     Args:
         free: shape (rows, columns).
-        start: row and column of that square. If it is not free, there are none.
+        start: row and column of that square. If it is not free, there are none. With None, they are
+            the largest part that is connected.
 
     Raises:
         ValueError: the start is outside.

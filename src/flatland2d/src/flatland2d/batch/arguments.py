@@ -120,7 +120,9 @@ def walls_of(
     for index, walls in value.items():
         require_index(index, count)
         if mask is not None and not mask[index]:
-            raise UsageError(f"expected walls of environments that are reset, found those of {index}")
+            raise UsageError(
+                f"expected walls of environments that are reset, found those of {index}"
+            )
         if not (walls is None or isinstance(walls, Walls)):
             raise UsageError(f"expected Walls for environment {index}, found {shown(walls)}")
     return dict(value)

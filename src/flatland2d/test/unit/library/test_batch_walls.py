@@ -122,5 +122,5 @@ def test_wrong_walls_change_nothing():
         state = simulation.save_state()
     with SimulationBatch(WORLD, 1, state=state) as batch:
         batch.step(np.zeros((1, 2)))
-        with pytest.raises(UsageError, match="cannot be replaced: .* near walls"):
+        with pytest.raises(UsageError, match=r"cannot be replaced: .* near walls"):
             batch.reset(walls={0: own})

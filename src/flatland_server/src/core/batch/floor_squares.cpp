@@ -67,21 +67,31 @@ void LowerToWalls(const std::vector<Segment>& walls, double reach, Vec2 corner, 
 }
 
 void MarkConnected(const bool* free, int64_t rows, int64_t columns, int64_t start, bool* reached) {
-  std::vector<int64_t> waiting;  // reached, but not left yet
+  std::vector<int64_t> part, largest;  // squares that are connected
   const auto reach = [&](int64_t index) {
     if (!free[index] || reached[index]) return;
     reached[index] = true;
-    waiting.push_back(index);
+    part.push_back(index);
   };
-  reach(start);
-  while (!waiting.empty()) {
-    const int64_t index = waiting.back(), row = index / columns, column = index % columns;
-    waiting.pop_back();
-    if (column > 0) reach(index - 1);
-    if (column + 1 < columns) reach(index + 1);
-    if (row > 0) reach(index - columns);
-    if (row + 1 < rows) reach(index + columns);
+  const auto reach_from = [&](int64_t first) {
+    part.clear();
+    reach(first);
+    for (size_t i = 0; i < part.size(); ++i) {
+      const int64_t index = part[i], row = index / columns, column = index % columns;
+      if (column > 0) reach(index - 1);
+      if (column + 1 < columns) reach(index + 1);
+      if (row > 0) reach(index - columns);
+      if (row + 1 < rows) reach(index + columns);
+    }
+  };
+  if (start >= 0) return reach_from(start);
+  for (int64_t index = 0; index < rows * columns; ++index) {
+    if (reached[index]) continue;
+    reach_from(index);
+    if (part.size() > largest.size()) largest.swap(part);
   }
+  std::fill_n(reached, rows * columns, false);
+  for (const int64_t index : largest) reached[index] = true;
 }
 
 FloorSquares::FloorSquares(const bool* squares, int rows, int columns, Vec2 corner, double side)

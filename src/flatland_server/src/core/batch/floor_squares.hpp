@@ -20,7 +20,7 @@ void LowerToWalls(const std::vector<Segment>& walls, double reach, Vec2 corner, 
                   int64_t rows, int64_t columns, double* squares);
 
 /// Marks those free squares that are connected with one through shared sides: none if it is not
-/// free. `reached` is false everywhere at first. All are `rows` x `columns`.
+/// free; or, if `start` is negative, the largest part that is connected. `reached` is false everywhere at first. All are `rows` x `columns`.
 void MarkConnected(const bool* free, int64_t rows, int64_t columns, int64_t start, bool* reached);
 
 /// A generator of random numbers: NumPy's bitgen_t.

@@ -56,7 +56,8 @@ class SharedWorld {
   explicit SharedWorld(std::unique_ptr<World> world, const std::vector<World::Body>& moved = {});
 
   /// A new state: that of the world at the beginning, perhaps with other walls in its first layer.
-  /// To be destroyed before the SharedWorld. Throws std::invalid_argument if these cannot be others.
+  /// To be destroyed before the SharedWorld. Throws std::invalid_argument if these cannot be
+  /// others.
   std::unique_ptr<SharedState> MakeState(SharedState::Walls walls = nullptr);
   /// Tells the processor to fetch what a state consists of from memory, while it does something
   /// else: first where its arrays are, then the ranges, and then what these refer to.

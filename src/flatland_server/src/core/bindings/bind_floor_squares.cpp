@@ -52,8 +52,8 @@ void Lower(Numbers squares, const Numbers& walls, double reach, std::array<doubl
 }
 
 py::array_t<bool> Connected(const py::array_t<bool, py::array::c_style>& free,
-                            std::array<int64_t, 2> start) {
-  const auto [row, column] = start;
+                            std::optional<std::array<int64_t, 2>> start) {
+  const auto [row, column] = start.value_or(std::array<int64_t, 2>{0, 0});
   const bool is_inside =
       free.ndim() == 2 && row >= 0 && row < free.shape(0) && column >= 0 && column < free.shape(1);
   if (!is_inside) throw std::invalid_argument("expected squares (rows, columns), and one of them");
@@ -61,7 +61,7 @@ py::array_t<bool> Connected(const py::array_t<bool, py::array::c_style>& free,
   py::array_t<bool> reached({rows, columns});
   bool* const marks = reached.mutable_data();
   std::fill_n(marks, rows * columns, false);
-  MarkConnected(free.data(), rows, columns, row * columns + column, marks);
+  MarkConnected(free.data(), rows, columns, start ? row * columns + column : -1, marks);
   return reached;
 }
 
