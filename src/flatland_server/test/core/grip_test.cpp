@@ -183,6 +183,17 @@ TEST_F(GrippingRobot, CarriesItsWheelsMass) {
   EXPECT_NEAR(SpeedOf(robot), 0.2 * kGravity * 0.5, 0.01 * 0.98);
 }
 
+TEST_F(GrippingRobot, IsDrivenAsBeforeWithAnotherCentreOfMass) {
+  const World::Body robot = AddRobot(Limited(1e4, 1e4, 0.0));
+  world_.SetMass(robot, 30.0, 2.0, Vec2{0.2, -0.1});
+  world_.Get(drive_).Command({1.0, 0.0, 0.8});
+  StepTimes(world_, 400);
+  const Pose pose = world_.GetPose(robot);
+  EXPECT_NEAR(pose.yaw, 1.6, 1e-3);
+  EXPECT_NEAR(pose.x, std::sin(1.6) / 0.8, 2e-3);
+  EXPECT_NEAR(pose.y, (1.0 - std::cos(1.6)) / 0.8, 2e-3);
+}
+
 TEST_F(GrippingRobot, MeasuresItsWheelsIfTheySlip) {
   world_.AddLayer({{{1.0, -5.0}, {1.0, 5.0}}}, kAllLayers);
   for (const auto& [settings, slips] : {std::pair{Limited(0.0, 0.0, 0.3), true},

@@ -75,7 +75,7 @@ Twist Actuator::Arrive(Twist target, double dt) {
   state_.now += Nanoseconds(dt);
   state_.rolling = {};
   const double timeout = settings_.command_timeout;
-  if (timeout > 0.0 && now - state_.commanded >= Nanoseconds(timeout)) {
+  if (timeout > 0.0 && now - state_.commanded >= std::max<uint64_t>(Nanoseconds(timeout), 1)) {
     target = {0.0, 0.0, is_steered_ ? target.omega : 0.0};
   }
   const AxisSettings &linear = settings_.linear, &angular = settings_.angular;

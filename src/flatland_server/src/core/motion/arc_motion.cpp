@@ -89,7 +89,9 @@ void ArcMotion::Begin(b2Body& body, const Twist& mean, double dt, Grip* grip) {
     grip->Begin(body, mass);
     body.SetLinearVelocity(body.GetLinearVelocity() - shown_);
     body.SetAngularVelocity(body.GetAngularVelocity() - shown_omega_);
-    grip->belt()->SetLinearVelocity(commanded_velocity_);
+    // The mass may have changed since the joint was put where its centre was.
+    const b2Vec2 arm = grip->joint()->GetAnchorB() - body.GetWorldCenter();
+    grip->belt()->SetLinearVelocity(commanded_velocity_ + b2Cross(commanded_omega_, arm));
     grip->belt()->SetAngularVelocity(commanded_omega_);
     if (mean.vx != 0.0 || mean.vy != 0.0 || mean.omega != 0.0) body.SetAwake(true);
   }
