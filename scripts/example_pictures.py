@@ -23,6 +23,7 @@ PICTURES = {  # launch arguments, time [s], and options of the drawing
     "warehouse": ((), 20.0, {"size": (900, 600)}),
     "crowd": ((), 14.0, {"size": (900, 240)}),
     "navigation": (("robots:=2",), 8.0, {"follow": "r1", "width": 22, "size": (900, 440)}),
+    "racecar": ((), 12.0, {"size": (900, 480)}),
     "training": ((), 0.0, {"size": (600, 600)}),
 }
 SWEEPS = {  # scenarios, and the size of the picture of each

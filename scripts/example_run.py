@@ -6,6 +6,7 @@ and there is no window.
 
 import importlib.machinery
 import importlib.util
+import math
 import shlex
 from pathlib import Path
 
@@ -69,6 +70,9 @@ class ExampleRun:
             fleet = _load(EXAMPLES / "warehouse" / "fleet")
             for name in node.args.split():
                 yield Carrier(self.simulation, self.simulation.models[name], fleet.Carrier())
+        elif node.type == "follow_the_gap":
+            program = _load(EXAMPLES / "racecar" / "follow_the_gap")
+            yield Racer(self._robot_named(), program.follow_the_gap)
 
     def _robot_named(self, name=""):
         """The model of a name; without a name, the model with a drive."""
@@ -148,6 +152,32 @@ class Carrier:
         """Commands the robot."""
         self._carrier.on_scan(self._simulation.last(f"{self.robot.namespace}/scan".lstrip("/")))
         self.robot.command(*self._carrier.command(*self.robot.pose))
+
+
+class Racer:
+    """Drives a car as the node follow_the_gap does.
+
+    Attributes:
+        robot: its model.
+        laps: about the origin.
+    """
+
+    def __init__(self, robot, follow):
+        self.robot, self._follow = robot, follow
+        self._laser = robot.sensors["laser"]
+        self._last = self._angle()
+        self.laps = 0.0
+
+    def _angle(self):
+        return math.atan2(self.robot.pose.y, self.robot.pose.x)
+
+    def step(self, time):
+        """Commands the car."""
+        angle = self._angle()
+        self.laps += math.remainder(angle - self._last, math.tau) / math.tau
+        self._last = angle
+        start, following = self._laser.angles[:2]
+        self.robot.command(*self._follow(self._laser.read(), start, following - start))
 
 
 def _load(path):

@@ -24,6 +24,7 @@ TRICYCLE: Dict[str, Any] = {
         {"name": "front_wheel", "footprints": [DISC]},
         {"name": "left_wheel", "pose": [-0.9, 0.35, 0], "footprints": [DISC]},
         {"name": "right_wheel", "pose": [-0.9, -0.35, 0], "footprints": [DISC]},
+        {"name": "swivel", "pose": [0.9, 0, 0], "footprints": [DISC]},
     ],
     "joints": [
         {
@@ -33,6 +34,14 @@ TRICYCLE: Dict[str, Any] = {
             "bodies": [
                 {"name": "base_link", "anchor": [0, 0]},
                 {"name": "front_wheel", "anchor": [0, 0]},
+            ],
+        },
+        {
+            "type": "revolute",
+            "name": "swivelling",
+            "bodies": [
+                {"name": "base_link", "anchor": [0.9, 0]},
+                {"name": "swivel", "anchor": [0, 0]},
             ],
         },
         *(
@@ -52,6 +61,16 @@ WHEELS = {
     "front_wheel_joint": "steering",
     "rear_left_wheel_joint": "left_axle",
     "rear_right_wheel_joint": "right_axle",
+}
+CAR = {
+    "wheelbase": 0.9,
+    "max_steer_angle": 0.5,
+    "front_left_wheel_joint": "swivelling",
+    "front_right_wheel_joint": "swivelling",
+    "single_track": {
+        **{"mass": 4, "inertia": 0.1, "center_of_mass": 0.4, "friction": 1},
+        **{"front_stiffness": 5, "rear_stiffness": 5},
+    },
 }
 NOISE = {"odom_pose_noise": [1, 2, 3], "odom_twist_noise": [1, 2, 3]}
 LIMITS = {
@@ -74,6 +93,11 @@ PERSON = {
     "group": "friends",
 }
 PLUGINS: Dict[str, List[Dict[str, Any]]] = {
+    "AckermannDrive": [
+        {**ON_BASE, **CAR},
+        {**ON_BASE, **CAR, **NOISE, **LIMITS},
+        {**ON_BASE, **CAR, "odom_drift": [1, 1, 1]},
+    ],
     "BoolSensor": [{}, {}],
     "Bumper": [{}],
     "Crowd": [
@@ -102,11 +126,16 @@ PLUGINS: Dict[str, List[Dict[str, Any]]] = {
             "linear_acceleration_noise": [1, 2, 3],
         },
     ],
+    "JointMotor": [
+        {"joint": "steering", "max_torque": 1, "mode": "position"},
+        {"joint": "swivelling", "max_torque": 1},
+    ],
+    "JointStatePublisher": [{}],
     "Laser": [
         {**ON_BASE, "range": 20, "angle": {"min": 0, "max": 1, "increment": 0.5}},
         {**ON_BASE, "range": 20, "angle": {"min": 1, "max": 0, "increment": -0.5}},
     ],
-    "ModelTfPublisher": [{}, {}],
+    "ModelTfPublisher": [{}, {"exclude": ["swivel"]}],
     "OmniDrive": [ON_BASE, {**ON_BASE, **NOISE, **LIMITS}, {**ON_BASE, "odom_drift": [1, 1, 1]}],
     "Pedestrian": [
         {

@@ -47,7 +47,13 @@ def test_the_shipped_worlds_are_listed(capsys):
 
     lines = [line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines()]
     scenes = ["circle_crossing", "corridor_frontal", "crossing", "doorway", "intersection"]
-    assert [name for name, _ in lines] == [*scenes, "office", "overtaking", "test_room"]
+    assert [name for name, _ in lines] == [
+        *scenes,
+        "office",
+        "overtaking",
+        "racetrack",
+        "test_room",
+    ]
     assert all(Path(path).is_file() for _, path in lines)
 
 

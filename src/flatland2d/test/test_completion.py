@@ -56,7 +56,7 @@ def test_tab_offers_arguments_values_commands_options_and_worlds(offers, tmp_pat
         "flatland flatland check --r": "--render",
         "rosrun rosrun flatland2d flatland r": "recover render run",
         "rosrun rosrun flatland2d flatland run ''": "circle_crossing corridor_frontal crossing "
-        "doorway intersection office overtaking test_room mine.yaml",
+        "doorway intersection office overtaking racetrack test_room mine.yaml",
         "rosrun rosrun flatland2d flatland run --s": "--seed --step-size --seconds",
     }
 

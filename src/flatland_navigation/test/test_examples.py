@@ -93,6 +93,15 @@ def test_thirty_carriers_drive_and_touch_nothing(start):
         assert math.dist(model.pose[:2], places[name][:2]) > 3.0
 
 
+def test_the_car_laps_its_track_and_touches_nothing(start):
+    run = start("racecar")
+    [racer] = run.drivers
+    while racer.laps < 1.0:
+        assert run.simulation.time < 25.0, "it takes too long"
+        run.step()
+        assert not run.simulation.contacts
+
+
 def test_the_robot_crosses_the_crowd(start):
     run = start("crowd")
     step_until(run, lambda: run.drivers[0].reached >= 1, limit=120)

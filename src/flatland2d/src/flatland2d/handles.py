@@ -96,7 +96,7 @@ class ModelHandle:
         Args:
             values: for a DiffDrive, a velocity and a yaw rate [m/s, rad/s]; for an OmniDrive, vx,
                 vy [m/s] and the yaw rate; for a TricycleDrive, the speed [m/s] and the angle [rad]
-                of its front wheel.
+                of its front wheel; for an AckermannDrive, those of the car.
 
         Raises:
             UsageError: the number of values is wrong, or one is not finite.

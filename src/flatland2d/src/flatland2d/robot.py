@@ -28,8 +28,8 @@ class Robot(NamedTuple):
 
     @property
     def is_steered(self) -> bool:
-        """True if its drive is a tricycle: a command is a speed and a steering angle."""
-        return isinstance(self.core_drive.drive, _core.Tricycle)
+        """True if its drive is a tricycle or a car: a command is a speed and a steering angle."""
+        return isinstance(self.core_drive.drive, (_core.Tricycle, _core.Ackermann))
 
 
 def plugins_with(plugins: Mapping[str, Plugin], hook: str) -> List[str]:

@@ -16,6 +16,11 @@ _BLOCKS = 30
 
 _BODY = {"body": "base"}
 _DRIFT = {"odom_drift": {"rotation_per_radian": 0.01}}
+_CAR = {"wheelbase": 0.3, "max_steer_angle": 0.8, **_BODY}
+_SLIP = {
+    **{"mass": 4, "inertia": 0.05, "center_of_mass": 0.15, "friction": 1},
+    **{"front_stiffness": 5, "rear_stiffness": 5},
+}
 _PLUGINS: Dict[str, Dict[str, Any]] = {
     "DiffDrive": _BODY,
     "DiffDrive with drift": {"type": "DiffDrive", **_DRIFT, **_BODY},
@@ -26,6 +31,8 @@ _PLUGINS: Dict[str, Dict[str, Any]] = {
         "rear_right_wheel_joint": "right",
         **_BODY,
     },
+    "AckermannDrive": _CAR,
+    "AckermannDrive with slip": {"type": "AckermannDrive", "single_track": _SLIP, **_CAR},
     "Tween": {"delta": [1, 0, 0], **_BODY},
     "Laser": {"range": 8, "angle": {"min": -2, "max": 2, "increment": 0.0125}, **_BODY},
     "Imu": _BODY,
@@ -103,6 +110,7 @@ def _spinning_robot(
 
 
 _COMMANDS = {"OmniDrive": (0.0, 0.0, 0.5), "TricycleDrive": (0.15, math.pi / 2)}
+_COMMANDS["AckermannDrive"] = (0.2, math.atan(0.75))
 """Of drives that are not told (speed, yaw rate): each turns by 0.5 rad/s."""
 
 _WHEELS = {

@@ -6,7 +6,7 @@ By default one flat array of float32, the input of most networks, and quick to c
     ranges    range / maximum of the lidar; 1 for no return; (beams,)
     goal      distance / maximum of the lidar, at most 10; cosine and sine of its bearing; (3,)
     velocity  each part / its limit in the actions, within [-2, 2]; forwards, to the left (not with
-              DiffDrive and TricycleDrive), turning
+              DiffDrive and what is steered), turning
     neighbors with `neighbors=k`, the k nearest other models, see `neighbor_rows`; (k, 6)
 """
 

@@ -50,7 +50,7 @@ class NavigationSettings:
         terminated: replaces the condition of termination; gets a `Transition`, returns booleans.
         speed_limit: of the actions, where the drive has no velocity limit of its own [m/s].
         yaw_rate_limit: the same for turning [rad/s].
-        steer_limit: the same for the front wheel of a TricycleDrive [rad].
+        steer_limit: the same for the front wheel of a TricycleDrive or an AckermannDrive [rad].
         obstacles: how many columns are added to the world: a number, or the least and the largest
             number of an episode.
         obstacle_radius: the least and the largest radius of these [m].

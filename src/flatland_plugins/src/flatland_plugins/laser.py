@@ -39,6 +39,7 @@ class Laser(ModelPlugin):
 
     def on_initialize(self, config: YamlReader) -> None:
         body = self._body = self.get_body(config)
+        ignored = self.get_body_names(config, "ignore_bodies")
         laser = self._config = config.read_once(
             LaserConfig.read,
             self.name,
@@ -58,7 +59,13 @@ class Laser(ModelPlugin):
         handedness = self._handedness = -1.0 if laser.upside_down else 1.0
         fan = _fan(handedness * laser.angle_min, handedness * laser.increment, laser.beams)
         self._lidar = body.physics_body.add_lidar(
-            fan, laser.origin, laser.range, layers, reflectance
+            fan,
+            laser.origin,
+            laser.range,
+            layers,
+            reflectance,
+            laser.range_min,
+            [self.model.get_body(name).physics_body for name in sorted(ignored)],
         )
         roll = math.pi if laser.upside_down else 0.0
         self._frame = SensorFrame(self, body, laser.frame, laser.tf_topic, laser.origin, roll)
@@ -70,12 +77,13 @@ class Laser(ModelPlugin):
             angle_max=laser.angle_min + (laser.beams - 1) * laser.increment,
             angle_increment=laser.increment,
             scan_time=self.update_timer.period,
-            range_min=0.0,
+            range_min=laser.range_min,
             range_max=laser.range,
         )
 
     def _make_noise(self, rng: np.random.Generator) -> RangeNoise:
-        return RangeNoise(draw_key(rng), self._config.noise_std_dev, self._config.range)
+        laser = self._config
+        return RangeNoise(draw_key(rng), laser.noise_std_dev, laser.range, laser.range_min)
 
     @property
     def batch_role(self) -> BatchRole:
@@ -122,7 +130,7 @@ class Laser(ModelPlugin):
         now = timekeeper.nanoseconds
         ranges, intensities = self._scan(now)
         if self._config.no_return != math.inf:
-            ranges = np.where(np.isinf(ranges), np.float32(self._config.no_return), ranges)
+            ranges = np.where(ranges == np.inf, np.float32(self._config.no_return), ranges)
         self._publisher.write(self._writer, now, ranges, intensities)
 
     def _has_to_scan(self) -> bool:
@@ -135,7 +143,10 @@ class Laser(ModelPlugin):
         return ranges, intensities
 
     def read(self, timekeeper: Timekeeper) -> Float32Array:
-        """The range of each beam [m], shape (n,); a beam that hits nothing is +inf (REP 117)."""
+        """The range of each beam [m], shape (n,), as in REP 117.
+
+        It is +inf if the beam hits nothing, and -inf if that is nearer than `range_min`.
+        """
         ranges = self._lidar.ranges()
         return self._add_noise(ranges, timekeeper.nanoseconds) if self._is_noisy else ranges
 
@@ -148,7 +159,7 @@ class Laser(ModelPlugin):
         laser, ranges = self._config, self.read(timekeeper)
         pose = self._body.pose.compose(laser.origin)
         angles = pose.yaw + self._handedness * self.angles
-        reach = np.where(np.isfinite(ranges), ranges, laser.range)
+        reach = np.clip(ranges, laser.range_min, laser.range)
         ends = pose[:2] + reach[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
         if laser.beams > 1:
             canvas.area(np.vstack([pose[:2], ends]), _BEAMS)

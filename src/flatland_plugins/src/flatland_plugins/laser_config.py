@@ -12,13 +12,14 @@ _MAX_BEAMS = 1_000_000
 
 @dataclass(frozen=True)
 class LaserConfig:
-    """The documented keys; angles in rad, lengths in m."""
+    """The documented keys, but for bodies; angles in rad, lengths in m."""
 
     topic: str
     frame: str
     tf_topic: Optional[str]
     origin: Pose
     range: float
+    range_min: float
     noise_std_dev: float
     angle_min: float
     increment: float
@@ -34,7 +35,7 @@ class LaserConfig:
     def read(
         cls, config: YamlReader, name: str, no_return: str = "inf", static_tf: bool = False
     ) -> "LaserConfig":
-        """Reads all keys but the body's.
+        """Reads all keys but those of bodies.
 
         Args:
             config: has the keys.
@@ -56,6 +57,7 @@ class LaserConfig:
             tf_topic=read_tf_topic(config, static_tf),
             origin=config.get_pose("origin", Pose()),
             range=config.get_float("range", above=0.0),
+            range_min=config.get_float("range_min", 0.0, minimum=0.0),
             noise_std_dev=config.get_float("noise_std_dev", 0.0, minimum=0.0),
             angle_min=angle_min,
             increment=increment,
@@ -68,6 +70,9 @@ class LaserConfig:
         )
         if not laser.layers and config.is_sound:
             config.warn("expected the layers that it sees, found none: it sees nothing", "layers")
+        if config.is_sound and laser.range_min >= laser.range:
+            expected = f"expected less than the range, {laser.range:g}"
+            config.problem(f"{expected}, found {laser.range_min:g}", "range_min")
         word = config.get_choice("no_return", ["inf", "nan", "max"], no_return)
         laser = replace(laser, no_return=laser.range if word == "max" else float(word))
         if config.is_sound and not 1 <= laser.beams <= _MAX_BEAMS:

@@ -21,5 +21,6 @@ class OmniDrive(VelocityDrive):
         """Moves forwards and to the left [m/s, m/s], and turns [rad/s]."""
         self._drive.command(vx, vy, yaw_rate)
 
-    def describe(self, twist: Any) -> str:
-        return f"linear.x={twist.linear.x} linear.y={twist.linear.y} angular.z={twist.angular.z}"
+    def describe(self, command: Any) -> str:
+        linear = command.linear
+        return f"linear.x={linear.x} linear.y={linear.y} angular.z={command.angular.z}"

@@ -1,16 +1,12 @@
 """TricycleDrive: a body on a steered front wheel and an unsteered rear axle."""
 
 import math
-from typing import Any, Optional, Tuple
+from typing import Any
 
 from flatland_plugins.dynamics_limits import DynamicsLimits
 from flatland_plugins.twist_drive import TwistDrive, read_dynamics
-from flatland_server import CoreDrive, Joint, ModelBody, YamlReader
-
-Point = Tuple[float, float]
-
-_TOLERANCE = 1e-3
-"""Tolerance of positions [m], and of the axle's right angle to the wheelbase [rad]."""
+from flatland_plugins.wheel_joints import TOLERANCE, get_wheel
+from flatland_server import CoreDrive, ModelBody, Point, YamlReader
 
 _DEPRECATED = (
     ("max_angular_velocity", "velocity_limit"),
@@ -32,10 +28,10 @@ class TricycleDrive(TwistDrive):
     publishes_transform = False
 
     def add_drive(self, config: YamlReader, body: ModelBody) -> CoreDrive:
-        front = self._get_wheel(config, "front_wheel_joint", body, "revolute")
-        left = self._get_wheel(config, "rear_left_wheel_joint", body, "weld")
-        right = self._get_wheel(config, "rear_right_wheel_joint", body, "weld")
-        if front is not None and math.hypot(*front[1]) > _TOLERANCE:
+        front = get_wheel(self, config, "front_wheel_joint", body, "revolute")
+        left = get_wheel(self, config, "rear_left_wheel_joint", body, "weld")
+        right = get_wheel(self, config, "rear_right_wheel_joint", body, "weld")
+        if front is not None and math.hypot(*front[1]) > TOLERANCE:
             x, y = front[1]
             config.problem(
                 f"expected the front wheel at the body's origin, found it at [{x:g}, {y:g}]",
@@ -69,41 +65,20 @@ class TricycleDrive(TwistDrive):
         """Sets the speed [m/s] and the angle [rad] of the front wheel."""
         self._tricycle.command(speed, steer_angle)
 
-    def _get_wheel(
-        self, config: YamlReader, key: str, body: ModelBody, kind: str
-    ) -> Optional[Tuple[Joint, Point]]:
-        """A wheel's joint, and its anchor on the body."""
-        joint = self.get_joint(config, key)
-        if joint is None:
-            return None
-        if joint.config.type != kind:
-            config.problem(f"expected a {kind} joint, found a {joint.config.type} joint", key)
-        if body.name not in joint.config.bodies:
-            names = " and ".join(joint.config.bodies)
-            config.problem(f'expected a joint of "{body.name}", found one of {names}', key)
-            return None
-        on_body = joint.config.bodies.index(body.name)
-        x, y = joint.config.anchors[1 - on_body]
-        if math.hypot(x, y) > _TOLERANCE:
-            config.problem(
-                f"expected the anchor on the wheel at its origin, found it at [{x:g}, {y:g}]", key
-            )
-        return joint, joint.config.anchors[on_body]
-
     def _rear_axle(self, config: YamlReader, left: Point, right: Point) -> Point:
         """The middle of the rear axle, in the body's frame."""
         middle = (left[0] + right[0]) / 2, (left[1] + right[1]) / 2
         wheelbase = math.hypot(*middle)
         width = math.dist(left, right)
         aslant = middle[0] * (left[0] - right[0]) + middle[1] * (left[1] - right[1])
-        if wheelbase < _TOLERANCE:
+        if wheelbase < TOLERANCE:
             config.problem("expected the rear axle apart from the front wheel, found it there")
-        elif width < _TOLERANCE:
+        elif width < TOLERANCE:
             config.problem(
                 "expected the rear wheels apart from each other, "
                 f"found both at [{left[0]:g}, {left[1]:g}]"
             )
-        elif abs(aslant) > _TOLERANCE * wheelbase * width:
+        elif abs(aslant) > TOLERANCE * wheelbase * width:
             config.problem(
                 "expected the rear axle at right angles to the way from its middle to the front "
                 f"wheel, found the rear wheels at [{left[0]:g}, {left[1]:g}] and "

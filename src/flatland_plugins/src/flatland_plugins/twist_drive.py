@@ -4,7 +4,7 @@ import contextlib
 import logging
 import math
 from abc import ABC, abstractmethod
-from typing import Any, ClassVar, Tuple
+from typing import Any, Callable, ClassVar, Tuple
 
 from flatland_plugins.actuators import Actuators
 from flatland_plugins.dynamics_limits import DynamicsLimits
@@ -52,12 +52,10 @@ class TwistDrive(OdometryPlugin, ABC):
         )
         self._core_drive = self.add_drive(config, body)
 
-        self._topic = self.node.resolve(twist_sub)
         self.update_timer = UpdateTimer(pub_rate)
         slips = self._actuators.friction > 0.0
         self.open_odometry(body, odometry, self.update_timer.period, slips)
-        self._is_ignoring = False
-        self.node.subscribe(twist_sub, "geometry_msgs/Twist", self._receive)
+        self.subscribe_commands(twist_sub, "geometry_msgs/Twist", self.on_twist)
 
     @abstractmethod
     def add_drive(self, config: YamlReader, body: ModelBody) -> CoreDrive:
@@ -97,20 +95,33 @@ class TwistDrive(OdometryPlugin, ABC):
             ValueError: the command cannot be obeyed, for example because it is not finite.
         """
 
-    def describe(self, twist: Any) -> str:
-        """The components that the drive obeys, for warnings."""
-        return f"linear.x={twist.linear.x} angular.z={twist.angular.z}"
+    def describe(self, command: Any) -> str:
+        """The components of a message that the drive obeys, for warnings."""
+        return f"linear.x={command.linear.x} angular.z={command.angular.z}"
 
-    def _receive(self, twist: Any) -> None:
-        """Obeys a command; warns of the first in a series of invalid ones."""
-        try:
-            self.on_twist(twist)
-        except ValueError as error:
-            if not self._is_ignoring:
-                logger.warning("%s: %s; ignored %s", self._topic, error, self.describe(twist))
-            self._is_ignoring = True
-        else:
-            self._is_ignoring = False
+    def subscribe_commands(self, topic: str, kind: str, obey: Callable[[Any], None]) -> None:
+        """Obeys the messages of a topic; warns of the first in a series of invalid ones.
+
+        Args:
+            topic: of the commands.
+            kind: the type of its messages.
+            obey: passes a message to the drive of the core; raises a ValueError for an invalid one.
+        """
+        is_ignoring = False
+
+        def receive(command: Any) -> None:
+            nonlocal is_ignoring
+            try:
+                obey(command)
+            except ValueError as error:
+                if not is_ignoring:
+                    name, content = self.node.resolve(topic), self.describe(command)
+                    logger.warning("%s: %s; ignored %s", name, error, content)
+                is_ignoring = True
+            else:
+                is_ignoring = False
+
+        self.node.subscribe(topic, kind, receive)
 
     def on_shutdown(self) -> None:
         """Stops the body within the limits, if it outlives the drive."""

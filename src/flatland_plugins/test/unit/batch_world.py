@@ -9,6 +9,11 @@ LASER = """{type: Laser, name: laser, body: base, range: 6, origin: [0.1, 0.02, 
 DRIVES = {
     "DiffDrive": """{type: DiffDrive, name: drive, body: base, odom_drift: [.1, .1, .1],
  linear_dynamics: {acceleration_limit: 2, velocity_limit: 1.5}}""",
+    "AckermannDrive": """{type: AckermannDrive, name: drive, body: base, wheelbase: 0.3,
+ max_steer_angle: 0.5, jerk_limit: 20, linear_dynamics: {acceleration_limit: 4},
+ angular_dynamics: {velocity_limit: 2}, front_left_wheel_joint: steered, single_track: {mass: 3,
+ inertia: 0.05, center_of_mass: 0.16, height: 0.05, friction: 1, front_stiffness: 4,
+ rear_stiffness: 5}}""",
     "OmniDrive": "{type: OmniDrive, name: drive, body: base}",
     "TricycleDrive": """{type: TricycleDrive, name: drive, body: base, max_steer_angle: 0.7,
  front_wheel_joint: front, rear_left_wheel_joint: left, rear_right_wheel_joint: right}""",
@@ -18,11 +23,14 @@ bodies:
   - {name: base, pose: [0.05, 0, 0.2],
      footprints: [{type: circle, radius: 0.25, center: [-0.1, 0], density: 5, friction: 0.4}]}
   - {name: front, pose: [0.05, 0, 0.2], footprints: [WHEEL]}
+  - {name: steered, pose: [0.35, 0.06, 0.2], footprints: [WHEEL]}
   - {name: left, pose: [-0.25, 0.1, 0.2], footprints: [WHEEL]}
   - {name: right, pose: [-0.2, -0.2, 0.2], footprints: [WHEEL]}
 joints:
   - {type: revolute, name: front, bodies: [{name: base, anchor: [0, 0]},
      {name: front, anchor: [0, 0]}]}
+  - {type: revolute, name: steered, bodies: [{name: base, anchor: [0.3, 0]},
+     {name: steered, anchor: [0, 0]}]}
   - {type: weld, name: left, bodies: [{name: base, anchor: [-0.3, 0.15]},
      {name: left, anchor: [0, 0]}]}
   - {type: weld, name: right, bodies: [{name: base, anchor: [-0.3, -0.15]},

@@ -39,6 +39,7 @@ plugins:
 """
 WORLDS = {
     "DiffDrive": {},
+    "AckermannDrive": {"drive": "AckermannDrive"},
     "OmniDrive": {"drive": "OmniDrive"},
     "TricycleDrive": {"drive": "TricycleDrive"},
     "crowd": {"models": WORLD + CROWD},

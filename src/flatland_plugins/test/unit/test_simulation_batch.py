@@ -99,7 +99,9 @@ def test_an_environment_is_a_simulation_whatever_its_neighbours(noisy, count, th
         assert not found[4].all()
 
 
-@pytest.mark.parametrize(("drive", "size"), [("OmniDrive", 3), ("TricycleDrive", 2)])
+@pytest.mark.parametrize(
+    ("drive", "size"), [("AckermannDrive", 2), ("OmniDrive", 3), ("TricycleDrive", 2)]
+)
 def test_every_drive_is_that_of_a_simulation(world_of, drive, size):
     world = world_of(drive)
 

@@ -26,6 +26,7 @@ from flatland_server import messages
 from flatland_server._core import (
     EASINGS,
     TWEEN_MODES,
+    Ackermann,
     BeamFan,
     Body,
     BodyMessage,
@@ -90,6 +91,7 @@ __all__ = [
     "EASINGS",
     "REQUIRED",
     "TWEEN_MODES",
+    "Ackermann",
     "BatchMotion",
     "BatchRole",
     "BeamFan",

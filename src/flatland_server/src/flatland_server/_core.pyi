@@ -235,7 +235,9 @@ class WorldBatch(metaclass=_Metaclass):
         world: World,
         *,
         robots: Sequence[
-            tuple[Sequence[Body], _TripleLike, Drive | Tricycle, Sequence[int], Lidar]
+            tuple[
+                Sequence[Body], _TripleLike, Drive | Tricycle | Ackermann, Sequence[int], Lidar
+            ]
         ],
         count: int,
         threads: int,
@@ -332,7 +334,7 @@ class WorldBatch(metaclass=_Metaclass):
         """
     def seed(
         self,
-        owner: Crowd | Drive | Tricycle,
+        owner: Crowd | Drive | Tricycle | Ackermann,
         keys: npt.NDArray[np.uint64],
         mask: BoolArray | None,
     ) -> None:
@@ -521,6 +523,36 @@ class Body(_WithoutConstructor):
             steering_limits: of the steering rate [rad/s^2, rad/s^2, rad/s].
             actuators: as of `add_drive`; the angular axis is that of the steering angle.
         """
+    def add_ackermann(
+        self,
+        wheelbase: float,
+        max_steer_angle: float,
+        *,
+        wheels: Sequence[Joint] = (),
+        linear_limits: _TripleLike = (0.0, 0.0, 0.0),
+        jerk_limit: float = 0.0,
+        steering_limits: _TripleLike = (0.0, 0.0, 0.0),
+        single_track: Sequence[float] | None = None,
+        actuators: _Actuators | None = None,
+    ) -> Ackermann:
+        """Adds the drive of a car, the rear axle of which has its middle at the body's origin.
+
+        Limits are (acceleration, deceleration, velocity), 0 for no limit.
+
+        Args:
+            wheelbase: from the rear axle to the front axle [m].
+            max_steer_angle: largest magnitude of the steering angle, below pi/2 [rad].
+            wheels: revolute joints of this body, 2 at most, that hold the bodies of the steered
+                wheels. These are rotated to show their angles.
+            linear_limits: of the speed [m/s^2, m/s^2, m/s].
+            jerk_limit: of the acceleration's change [m/s^3]; 0 for no limit.
+            steering_limits: of the steering rate [rad/s^2, rad/s^2, rad/s].
+            single_track: the seven numbers of a car with tyres that slip: mass [kg], moment of
+                inertia [kg m^2], the centre of mass in front of the rear axle [m] and its height
+                [m], the coefficient of friction, and the cornering stiffness of the front and of
+                the rear axle [1/rad]; see ackermann_drive.hpp. None: no tyre slips.
+            actuators: as of `add_tricycle`.
+        """
     def add_tween(
         self, delta: _TripleLike, duration: float, mode: str = "yoyo", easing: str = "linear"
     ) -> Tween:
@@ -563,6 +595,8 @@ class Body(_WithoutConstructor):
         range: float,
         layers: int = 0xFFFF,
         reflectance_layers: int = 0,
+        range_min: float = 0.0,
+        ignored: Sequence[Body] = (),
     ) -> Lidar:
         """Adds a lidar.
 
@@ -572,6 +606,8 @@ class Body(_WithoutConstructor):
             range: largest distance that is measured [m].
             layers: bits of the collision layers that are seen.
             reflectance_layers: bits of those layers that return an intensity of 255.
+            range_min: what is nearer returns -infinity [m].
+            ignored: bodies that it does not see.
         """
     @property
     def pose(self) -> _Triple:
@@ -1115,6 +1151,46 @@ class Tricycle(_WithoutConstructor):
     def steer_angle(self) -> float:
         """Present angle of the front wheel, positive to the left [rad]."""
 
+class Ackermann(_WithoutConstructor):
+    """A handle of a car's drive.
+
+    The speed is that of the rear axle or, if tyres slip, of the centre of mass.
+    """
+
+    def command(self, speed: float, steer_angle: float) -> None:
+        """Sets the motion to reach.
+
+        Args:
+            speed: [m/s].
+            steer_angle: of a wheel in the middle of the front axle, positive to the left [rad].
+        """
+    def command_within(
+        self,
+        speed: float,
+        steer_angle: float,
+        steering_rate: float,
+        acceleration: float,
+        jerk: float,
+    ) -> None:
+        """Sets the motion to reach, within limits of this command; 0 is none.
+
+        Args:
+            speed: [m/s].
+            steer_angle: positive to the left [rad].
+            steering_rate: the fastest [rad/s].
+            acceleration: the greatest, of either sign [m/s^2].
+            jerk: the greatest [m/s^3].
+        """
+    @property
+    def speed(self) -> float:
+        """Present speed [m/s]."""
+    @property
+    def steer_angle(self) -> float:
+        """Present steering angle, positive to the left [rad]."""
+    @property
+    def slip_angle(self) -> float:
+        """Angle from the heading to the velocity of the centre of mass [rad]; 0 without slip."""
+
 TWEEN_MODES: tuple[str, ...]
 """Names of the modes of tweens."""
 EASINGS: tuple[str, ...]
@@ -1416,16 +1492,19 @@ class RangeNoise(metaclass=_Metaclass):
         key: from the plugin's random numbers: `int(self.rng.integers(2**63))`.
         std_dev: its standard deviation [m], 0 or more.
         max_range: of the lidar [m].
+        min_range: of the lidar [m].
     """
 
-    def __init__(self, key: int, std_dev: float, max_range: float) -> None: ...
+    def __init__(
+        self, key: int, std_dev: float, max_range: float, min_range: float = 0.0
+    ) -> None: ...
     @property
     def key(self) -> int:
         """The key, from 0 to 2^64 - 1."""
     def __call__(self, ranges: Float32Array, nanoseconds: int) -> Float32Array:
         """Adds the noise at a time to ranges; returns a new array.
 
-        Ranges stay within [0, max_range]; no return stays +inf.
+        Ranges stay within [min_range, max_range]; infinite ones stay.
 
         Args:
             ranges: of one scan [m], shape (n,).

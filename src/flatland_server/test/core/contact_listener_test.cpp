@@ -144,6 +144,7 @@ TEST_F(Listening, MayNotAddRemoveOrPlaceAnything) {
       {"AddDrive", [&] { world_.AddDrive(moving_, {}, {}); }},
       {"AddTween", [&] { world_.AddTween(moving_, {}); }},
       {"AddTricycle", [&] { world_.AddTricycle(moving_, hinge_, {}); }},
+      {"AddAckermann", [&] { world_.AddAckermann(moving_, {hinge_}, {}); }},
       {"SetPose",
        [&] {
          world_.SetPose(moving_, {3, 3, 0});

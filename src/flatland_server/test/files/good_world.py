@@ -105,6 +105,7 @@ plugins:
     body: base
     range: 10
     angle: {min: -1, max: 1, increment: 0.1}
+    ignore_bodies: [wheel]
 """,
 }
 

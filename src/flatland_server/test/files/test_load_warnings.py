@@ -23,6 +23,8 @@ DRIVE = "{type: DiffDrive, name: drive, body: base}"
 LASER = "{type: Laser, name: laser, range: 5, angle: {min: 0, max: 0, increment: 1}"
 
 # The file, what is replaced in it by what, and the beginning of the warning.
+LASER_KEYS = "range: 10\n    angle: {min: -1, max: 1, increment: 0.1}\n    ignore_bodies: [wheel]"
+ON_A_VERTEX = LASER_KEYS.replace("angle", "origin: [0.2, 0.1, 0]\n    angle").partition("ignore")[0]
 TRAPS = {
     "a threshold in per cent": (MAP, "0.65", "65",
      "map.yaml:5: occupied_thresh: expected a fraction from 0 to 1 (below 1), found 65"),
@@ -67,10 +69,13 @@ TRAPS = {
     "a body without density": (MODEL, "density: 1", "density: 0",
      "robot.model.yaml:2: bodies[0] \"base\": has 1 kg, and no push turns it: no footprint has a "
      "density"),
-    "a lidar on a vertex": (MODEL, "range: 10", "range: 10\n    origin: [0.2, 0.1, 0]",
+    "a lidar on a vertex": (MODEL, LASER_KEYS, ON_A_VERTEX,
      "robot.model.yaml:50: plugins[1].origin: is on the outline of a footprint of its own model"),
     "a lidar on a circle": (MODEL, "range: 10", "range: 10\n    origin: [0.3, -0.4, 0]",
      "robot.model.yaml:50: plugins[1].origin: is on the outline of a footprint of its own model"),
+    "a lidar that sees its own robot": (MODEL, "ignore_bodies: [wheel]", "",
+     "robot.model.yaml:46: plugins[1] \"laser\": is inside a footprint of its own model, and sees "
+     "another one, of \"wheel\", that overlaps it: write \"ignore_bodies: [wheel]\""),
     "a lidar that stays behind": (MODEL, "body: base\n    range", "body: other\n    range",
      "robot.model.yaml:48: plugins[1].body: no joint holds \"other\" to \"base\", which is driven: "
      "it stays behind"),
@@ -161,7 +166,7 @@ def test_an_image_is_turned_as_its_exif_data_say(good_files, kind, orientation, 
 
 def test_a_polygon_that_is_closed_by_its_first_point_is_as_without_it(good_files, caplog):
     good_files.edit(MODEL, "[0.02, 0.1]]", "[0.02, 0.1], [0.02, 0]]")
-    good_files.edit(MODEL, "range: 10", "range: 10\n    origin: [0.2, 0.1, 0]")
+    good_files.edit(MODEL, LASER_KEYS, ON_A_VERTEX)
 
     with python_warnings.catch_warnings():
         python_warnings.simplefilter("error")

@@ -42,6 +42,8 @@ class Parts:
         self.joints.append(base.add_revolute(wheel, (0.0, 0.0), (0.0, 0.0)))
         joint = self.joints[-1]
         self.tricycle = base.add_tricycle(joint, (-0.5, 0.0), 1.0, (1.0, 1.0, 0.0), (2.0, 2.0, 0.0))
+        slip = (2.0, 0.05, 0.15, 0.05, 1.0, 4.0, 5.0)
+        self.car = self.bodies[8].add_ackermann(0.3, 0.5, jerk_limit=9.0, single_track=slip)
         self.tween = self.bodies[9].add_tween((1.0, 0.5, 1.0), 0.7, "trigger", "cubicInOut")
         for body in self.bodies:
             body.listen_to_contacts(15)
@@ -61,6 +63,7 @@ class Parts:
             body.apply_force((draw.uniform(-1, 1), 0.3), body.world_point((0.1, 0.1)))
         self.drive.command(draw.uniform(-1, 1), 0.2, draw.uniform(-2, 2))
         self.tricycle.command(draw.uniform(-1, 1), draw.uniform(-1, 1))
+        self.car.command_within(draw.uniform(-1, 3), draw.uniform(-1, 1), 2.0, 3.0, 0.0)
         self.tween.trigger(draw.random() < 0.7)
         for joint in (self.joints[0], self.joints[-1]):
             joint.motor = (draw.uniform(-3, 3), draw.random()) if draw.random() < 0.8 else None
@@ -89,6 +92,7 @@ class Parts:
         more += [(joint.limits, joint.motor) for joint in (self.joints[0], self.joints[-1])]
         more += [(body.mass, body.inertia, body.local_center) for body in self.bodies]
         more += [*self.drive.velocity, self.tricycle.speed, self.tricycle.steer_angle]
+        more += [self.car.speed, self.car.steer_angle, self.car.slip_angle]
         return [bodies, more, self.tween.progress, events]
 
 

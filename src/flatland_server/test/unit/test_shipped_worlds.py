@@ -10,7 +10,7 @@ from flatland_server.exceptions import FlatlandError
 
 PACKAGE = Path(__file__).resolve().parents[2]
 SCENES = ("circle_crossing", "corridor_frontal", "crossing", "doorway", "intersection")
-WORLDS = (*SCENES, "office", "overtaking", "test_room")
+WORLDS = (*SCENES, "office", "overtaking", "racetrack", "test_room")
 
 
 def test_the_worlds_are_found_beside_the_sources():

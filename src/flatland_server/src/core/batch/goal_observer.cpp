@@ -31,7 +31,7 @@ void GoalObserver::Observe(const float* ranges, const double* pose, const double
   const auto longest = static_cast<float>(max_range_);
   for (int i = 0; i < beams_; ++i) {
     const float part = ranges[i] / longest;
-    out[i] = part > 1.0f ? 1.0f : part;
+    out[i] = part > 1.0f ? 1.0f : part < 0.0f ? 0.0f : part;  // nearer than the least range
   }
   out += beams_;
   const double x = goal[0] - pose[0], y = goal[1] - pose[1];

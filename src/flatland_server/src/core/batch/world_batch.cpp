@@ -311,8 +311,10 @@ void WorldBatch::Command(World& world, const BatchRobot& robot, const double* ac
   }
   if (const auto* drive = std::get_if<World::Drive>(&robot.drive)) {
     world.Get(*drive).Command({values[0], values[1], values[2]});
+  } else if (const auto* tricycle = std::get_if<World::Tricycle>(&robot.drive)) {
+    world.Get(*tricycle).Command(values[0], values[1]);
   } else {
-    world.Get(std::get<World::Tricycle>(robot.drive)).Command(values[0], values[1]);
+    world.Get(std::get<World::Ackermann>(robot.drive)).Command({values[0], values[1]});
   }
 }
 

@@ -25,7 +25,7 @@ namespace flatland {
 struct BatchRobot {
   std::vector<World::Body> bodies;  ///< all of its bodies; poses and velocities are of the first
   Pose base;                        ///< pose of the first body in the robot's frame [m, m, rad]
-  std::variant<World::Drive, World::Tricycle> drive;
+  std::variant<World::Drive, World::Tricycle, World::Ackermann> drive;
   /// For each of the drive's numbers (vx, vy and omega, or speed and steering angle) its index in
   /// an action; -1 is none, which commands 0.
   std::array<int, 3> columns{0, -1, 1};
@@ -119,7 +119,7 @@ class WorldBatch {
   void Observe(const BatchRows& rows);
 
   /// Something with random numbers of its own in the core.
-  using Random = std::variant<World::CrowdHandle, World::Drive, World::Tricycle>;
+  using Random = std::variant<World::CrowdHandle, World::Drive, World::Tricycle, World::Ackermann>;
   /// Begins other random numbers of it, by a key for each environment that `mask` chooses (null:
   /// all).
   void Seed(const bool* mask, const Random& random, const uint64_t* keys);

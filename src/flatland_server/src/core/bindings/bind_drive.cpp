@@ -1,4 +1,4 @@
-/// Drive, Tricycle, Tween and Drift in Python.
+/// Drive, Tricycle, Ackermann, Tween and Drift in Python.
 
 #include <array>
 #include <optional>
@@ -36,6 +36,13 @@ void CommandTricycle(PyTricycle& self, double speed, double steer_angle) {
   self.world->Get(self.handle).Command(speed, steer_angle);
 }
 
+void CommandAckermann(PyAckermann& self, double speed, double steer_angle) {
+  self.world->Get(self.handle).Command({speed, steer_angle});
+}
+
+/// Mass, inertia, centre of mass, height, friction, and the front and rear cornering stiffness.
+using PySingleTrack = std::tuple<double, double, double, double, double, double, double>;
+
 }  // namespace
 
 void BindDrive(py::module_& m) {
@@ -55,6 +62,25 @@ void BindDrive(py::module_& m) {
           "speed", [](const PyTricycle& self) { return self.world->Get(self.handle).speed(); })
       .def_property_readonly("steer_angle", [](const PyTricycle& self) {
         return self.world->Get(self.handle).steer_angle();
+      });
+  py::class_<PyAckermann> car(m, "Ackermann");
+  DefineFast<&CommandAckermann>(car, "command", "speed", "steer_angle");
+  car.def(
+         "command_within",
+         [](PyAckermann& self, double speed, double steer_angle, double steering_rate,
+            double acceleration, double jerk) {
+           self.world->Get(self.handle)
+               .Command({speed, steer_angle, steering_rate, acceleration, jerk});
+         },
+         py::arg("speed"), py::arg("steer_angle"), py::arg("steering_rate"),
+         py::arg("acceleration"), py::arg("jerk"))
+      .def_property_readonly(
+          "speed", [](const PyAckermann& self) { return self.world->Get(self.handle).speed(); })
+      .def_property_readonly(
+          "steer_angle",
+          [](const PyAckermann& self) { return self.world->Get(self.handle).steer_angle(); })
+      .def_property_readonly("slip_angle", [](const PyAckermann& self) {
+        return self.world->Get(self.handle).slip_angle();
       });
   py::class_<PyTween>(m, "Tween")
       .def(
@@ -97,6 +123,28 @@ void BindDrivesOf(py::class_<PyBody>& body) {
           py::arg("front_wheel"), py::arg("rear_axle"), py::arg("max_steer_angle") = 0.0,
           py::arg("linear_limits") = Triple{0.0, 0.0, 0.0},
           py::arg("steering_limits") = Triple{0.0, 0.0, 0.0}, py::arg("actuators") = py::none())
+      .def(
+          "add_ackermann",
+          [](PyBody& self, double wheelbase, double max_steer_angle,
+             const std::vector<PyJoint>& wheels, const Triple& linear, double jerk,
+             const Triple& steering, const std::optional<PySingleTrack>& single_track,
+             const std::optional<Actuators>& actuators) {
+            AckermannSettings settings{
+                wheelbase,          max_steer_angle, ToLimits(linear),     jerk,
+                ToLimits(steering), std::nullopt,    ToActuator(actuators)};
+            if (single_track) {
+              const auto [mass, inertia, center, height, friction, front, rear] = *single_track;
+              settings.single_track = {mass, inertia, center, height, friction, front, rear};
+            }
+            std::vector<World::Joint> joints;
+            for (const PyJoint& each : wheels) joints.push_back(each.handle);
+            return PyAckermann{self.world, self.world->AddAckermann(self.handle, joints, settings)};
+          },
+          py::arg("wheelbase"), py::arg("max_steer_angle"), py::kw_only(),
+          py::arg("wheels") = std::vector<PyJoint>(),
+          py::arg("linear_limits") = Triple{0.0, 0.0, 0.0}, py::arg("jerk_limit") = 0.0,
+          py::arg("steering_limits") = Triple{0.0, 0.0, 0.0}, py::arg("single_track") = py::none(),
+          py::arg("actuators") = py::none())
       .def(
           "add_tween",
           [](PyBody& self, const Triple& delta, double duration, const std::string& mode,

@@ -17,8 +17,8 @@ py::tuple Scan(const PyWorld& self, const BeamFan& fan, const Triple& pose, doub
   {
     const World::AccessGuard guard(*self.world);
     const py::gil_scoped_release release;
-    self.world->lidars().Scan(fan, ToPose(pose), {range, layers, reflectance_layers}, ranges_out,
-                              intensities_out, guard);
+    self.world->lidars().Scan(fan, ToPose(pose), {range, layers, reflectance_layers, 0.0, {}},
+                              ranges_out, intensities_out, guard);
   }
   return py::make_tuple(ranges, intensities);
 }
@@ -64,12 +64,16 @@ void BindLidarsOf(py::class_<PyBody>& body) {
   body.def(
       "add_lidar",
       [](PyBody& self, const std::shared_ptr<BeamFan>& fan, const Triple& pose, double range,
-         LayerBits layers, LayerBits reflectance_layers) {
-        const LidarSettings settings{fan, ToPose(pose), {range, layers, reflectance_layers}};
+         LayerBits layers, LayerBits reflectance_layers, double range_min,
+         const std::vector<PyBody>& ignored) {
+        LidarSettings settings{
+            fan, ToPose(pose), {range, layers, reflectance_layers, range_min, {}}};
+        for (const PyBody& each : ignored) settings.scan.ignored.push_back(each.handle);
         return PyLidar{self.world, self.world->lidars().Add(self.handle, settings)};
       },
       py::arg("fan"), py::arg("pose"), py::arg("range"), py::arg("layers") = kAllLayers,
-      py::arg("reflectance_layers") = 0);
+      py::arg("reflectance_layers") = 0, py::arg("range_min") = 0.0,
+      py::arg("ignored") = std::vector<PyBody>());
 }
 
 void BindScansOf(py::class_<PyWorld>& world) {

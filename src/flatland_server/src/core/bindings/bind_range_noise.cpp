@@ -39,8 +39,8 @@ void AddToRows(const RangeNoise& self, Ranges ranges, const Values<uint64_t>& ke
 
 void BindRangeNoise(py::module_& m) {
   py::class_<RangeNoise>(m, "RangeNoise")
-      .def(py::init<uint64_t, double, double>(), py::arg("key"), py::arg("std_dev"),
-           py::arg("max_range"))
+      .def(py::init<uint64_t, double, double, double>(), py::arg("key"), py::arg("std_dev"),
+           py::arg("max_range"), py::arg("min_range") = 0.0)
       .def_property_readonly("key", &RangeNoise::key)
       .def("__call__", &WithNoise, py::arg("ranges").noconvert(), py::arg("nanoseconds"))
       .def("add_to_rows", &AddToRows, py::arg("ranges").noconvert(), py::arg("keys").noconvert(),

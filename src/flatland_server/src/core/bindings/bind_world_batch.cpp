@@ -210,6 +210,8 @@ BatchRobot ToRobot(const PyRobot& values) {
   robot.base = ToPose(base);
   if (py::isinstance<PyTricycle>(drive)) {
     robot.drive = drive.cast<const PyTricycle&>().handle;
+  } else if (py::isinstance<PyAckermann>(drive)) {
+    robot.drive = drive.cast<const PyAckermann&>().handle;
   } else {
     robot.drive = drive.cast<const PyDrive&>().handle;
   }
@@ -297,6 +299,8 @@ void BindWorldBatch(py::module_& m) {
       .def("seed", &Seed<PyCrowd>, py::arg("owner"), py::arg("keys").noconvert(),
            py::arg("mask").noconvert().none(true))
       .def("seed", &Seed<PyDrive>, py::arg("owner"), py::arg("keys").noconvert(),
+           py::arg("mask").noconvert().none(true))
+      .def("seed", &Seed<PyAckermann>, py::arg("owner"), py::arg("keys").noconvert(),
            py::arg("mask").noconvert().none(true))
       .def("seed", &Seed<PyTricycle>, py::arg("owner"), py::arg("keys").noconvert(),
            py::arg("mask").noconvert().none(true))

@@ -84,6 +84,7 @@ using PyFixture = Owned<Fixture>;
 using PyJoint = Owned<World::Joint>;
 using PyDrive = Owned<World::Drive>;
 using PyTricycle = Owned<World::Tricycle>;
+using PyAckermann = Owned<World::Ackermann>;
 using PyTween = Owned<World::Tween>;
 using PyDrift = Owned<World::Drift>;
 using PyCrowd = Owned<World::CrowdHandle>;

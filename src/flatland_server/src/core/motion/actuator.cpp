@@ -119,6 +119,19 @@ double Actuator::Steer(double mean, double reached, double time) {
   return angle;
 }
 
+double Steer(SteeringState& steering, double target, const DynamicsLimits& limits,
+             OptionalActuator& actuator, double dt) {
+  const auto steered_for = [&, from = steering](double time) {
+    return Steer(from, target, limits, time);
+  };
+  const double halfway = steered_for(0.5 * dt).angle;
+  steering = steered_for(dt);
+  if (!actuator) return halfway;
+  const double first = actuator->Steer(steered_for(0.25 * dt).angle, halfway, 0.5 * dt);
+  actuator->Steer(steered_for(0.75 * dt).angle, steering.angle, 0.5 * dt);
+  return first;
+}
+
 Pose Actuator::Measured(const Pose& arc, double dt) const {
   const auto& [vx, vy, omega] = state_.rolling;
   Pose measured = arc;

@@ -10,6 +10,7 @@
 #include "base/normal_numbers.hpp"
 #include "motion/dynamics_limits.hpp"
 #include "motion/grip.hpp"
+#include "motion/steering.hpp"
 
 namespace flatland {
 
@@ -183,5 +184,11 @@ class OptionalActuator {
  private:
   std::unique_ptr<Actuator> own_;
 };
+
+/// Steers for `dt` [s] towards an angle [rad], within limits, and then as the actuator does, if
+/// there is one. `steering` is what the limits allow. Returns the wheels' angle after half the
+/// time.
+double Steer(SteeringState& steering, double target, const DynamicsLimits& limits,
+             OptionalActuator& actuator, double dt);
 
 }  // namespace flatland

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/box2d_limits.hpp"
+#include "motion/steered_wheel.hpp"
 
 namespace flatland {
 
@@ -56,18 +57,11 @@ void TricycleDrive::BeginStep(b2Body& body, double dt) {
   Twist target{target_speed_, 0.0, target_angle_};
   if (actuator_) target = actuator_->Arrive(target, dt);
   VelocityChange rolling = settings_.linear.Approach({speed_, 0.0}, {target.vx, 0.0}, dt);
-  const auto steered_for = [&, from = steering_](double time) {
-    return Steer(from, target.omega, settings_.steering, time);
-  };
-  double halfway = steered_for(0.5 * dt).angle;
-  steering_ = steered_for(dt);
+  const double halfway = Steer(steering_, target.omega, settings_.steering, actuator_, dt);
   speed_ = rolling.reached.x;
   if (actuator_) {
     VelocityChange none;
     actuator_->Follow(rolling, none, dt);
-    const double first = actuator_->Steer(steered_for(0.25 * dt).angle, halfway, 0.5 * dt);
-    actuator_->Steer(steered_for(0.75 * dt).angle, steering_.angle, 0.5 * dt);
-    halfway = first;
   }
   const Twist mean = TwistAt(rolling.mean.x, halfway);
   if (actuator_) actuator_->Roll(mean);
@@ -77,24 +71,7 @@ void TricycleDrive::BeginStep(b2Body& body, double dt) {
 void TricycleDrive::EndStep(b2Body& body) {
   motion_.End(body, TwistAt(speed(), steer_angle()), actuator_.grip());
   if (front_wheel_ == nullptr) return;
-  const bool wheel_is_b = front_wheel_->GetBodyA() == &body;
-  b2Body& wheel = wheel_is_b ? *front_wheel_->GetBodyB() : *front_wheel_->GetBodyA();
-  double angle = heading_ + steer_angle();
-  if (front_wheel_->IsLimitEnabled()) {  // of b's angle minus a's, whole rotations included
-    const double lower =
-        wheel_is_b ? front_wheel_->GetLowerLimit() : -front_wheel_->GetUpperLimit();
-    const double upper =
-        wheel_is_b ? front_wheel_->GetUpperLimit() : -front_wheel_->GetLowerLimit();
-    const double middle = 0.5 * (lower + upper);
-    angle = std::clamp(middle + WrappedAngle(angle - middle), lower, upper);
-  }
-  const b2Vec2 hub = wheel_is_b ? front_wheel_->GetLocalAnchorA() : front_wheel_->GetLocalAnchorB();
-  const b2Vec2 on_wheel =
-      wheel_is_b ? front_wheel_->GetLocalAnchorB() : front_wheel_->GetLocalAnchorA();
-  const float yaw = static_cast<float>(body.GetAngle() + angle);
-  wheel.SetTransform(body.GetWorldPoint(hub) - b2Mul(b2Rot(yaw), on_wheel), yaw);
-  wheel.SetLinearVelocity(body.GetLinearVelocityFromLocalPoint(hub));
-  wheel.SetAngularVelocity(body.GetAngularVelocity());
+  PlaceSteeredWheel(*front_wheel_, body, heading_ + steer_angle());
 }
 
 }  // namespace flatland

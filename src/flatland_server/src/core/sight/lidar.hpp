@@ -8,15 +8,20 @@
 
 #include "base/collision_layers.hpp"
 #include "base/geometry.hpp"
+#include "base/slot_map.hpp"
 #include "sight/beam_fan.hpp"
 #include "sight/seen_walls.hpp"
 
 namespace flatland {
 
+struct BodyRecord;
+
 struct ScanSettings {
   double range = 0.0;                ///< largest distance that is measured [m]
   LayerBits layers = kAllLayers;     ///< sees the fixtures and walls on any of these
   LayerBits reflectance_layers = 0;  ///< what is on any of these returns intensity 255, not 0
+  double range_min = 0.0;  ///< what is nearer returns -infinity (REP 117) [m]; 0 is no minimum
+  std::vector<Handle<BodyRecord>> ignored{};  ///< bodies that are not seen
 };
 
 struct LidarSettings {

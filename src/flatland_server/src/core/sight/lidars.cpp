@@ -1,6 +1,7 @@
 #include "sight/lidars.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "base/box2d_limits.hpp"
 #include "base/parallel.hpp"
@@ -30,6 +31,9 @@ Lidars::LidarHandle Lidars::Add(Bodies::Body body, const LidarSettings& settings
   Require(settings.fan != nullptr, "a lidar needs beams");
   Require(IsUsable(settings.pose), "a lidar's pose must be finite");
   RequireRange(settings.scan.range);
+  Require(settings.scan.range_min >= 0.0 && settings.scan.range_min < settings.scan.range,
+          "a lidar's least range must be from 0 to less than its range");
+  for (const Bodies::Body body : settings.scan.ignored) bodies_.Get(body);
   Lidar lidar;
   lidar.settings = settings;
   lidar.ranges.resize(settings.fan->size());
@@ -133,6 +137,11 @@ void Lidars::ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& 
     DrawOn(buffer, pose, settings, seen, reflects);
   }
   buffer.GetRanges(ranges);
+  if (settings.range_min > 0.0) {
+    for (int i = 0; i < fan.size(); ++i) {
+      if (ranges[i] < settings.range_min) ranges[i] = -std::numeric_limits<float>::infinity();
+    }
+  }
   if (intensities != nullptr) buffer.GetIntensities(intensities);
 }
 
@@ -162,11 +171,18 @@ void Lidars::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& s
       buffer.Draw(walls, pose, last);
     }
   }
+  const auto is_ignored = [&](const b2Fixture& fixture) {
+    const Bodies::Body body = bodies_.HandleOf(const_cast<b2Body&>(*fixture.GetBody()));
+    return std::any_of(settings.ignored.begin(), settings.ignored.end(), [&](auto each) {
+      return each.index == body.index && each.generation == body.generation;
+    });
+  };
   const Vec2 origin{pose.x, pose.y};
   const Rotation rotation(pose.yaw);
   for (const int index : buffer.FindVisible(bounding_circles_, pose)) {
     const VisibleFixture& fixture = visible_fixtures_[index];
     if ((fixture.layers & settings.layers) == 0 || !choose(fixture.layers)) continue;
+    if (!settings.ignored.empty() && is_ignored(*fixture.fixture)) continue;
     fixture.DrawOn(buffer, origin, rotation);
   }
 }

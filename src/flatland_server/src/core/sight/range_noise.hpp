@@ -10,19 +10,20 @@ namespace flatland {
 /// on other lidars. A scan that is made twice has the same noise.
 class RangeNoise {
  public:
-  /// `std_dev` and `max_range` [m] must be finite and 0 or more; throws std::invalid_argument.
-  RangeNoise(uint64_t key, double std_dev, double max_range);
+  /// `std_dev`, `max_range` and `min_range` [m] must be finite and 0 or more, and the last one no
+  /// greater than the one before; throws std::invalid_argument.
+  RangeNoise(uint64_t key, double std_dev, double max_range, double min_range = 0.0);
 
   uint64_t key() const { return key_; }
   /// The same noise with another key.
-  RangeNoise WithKey(uint64_t key) const { return {key, std_dev_, max_range_}; }
+  RangeNoise WithKey(uint64_t key) const { return {key, std_dev_, max_range_, min_range_}; }
 
-  /// Adds the noise of a time [ns]. Ranges stay within [0, max_range]; no return stays infinite.
+  /// Adds the noise of a time [ns]. Ranges stay within [min_range, max_range]; infinite ones stay.
   void AddTo(float* ranges, int count, int64_t nanoseconds) const;
 
  private:
   uint64_t key_;
-  double std_dev_, max_range_;
+  double std_dev_, max_range_, min_range_;
 };
 
 }  // namespace flatland

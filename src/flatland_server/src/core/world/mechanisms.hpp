@@ -3,6 +3,7 @@
 /// Mechanisms: drives, tweens, drifts and lidars, which the core moves or reads at every step.
 
 #include "base/slot_map.hpp"
+#include "motion/ackermann_drive.hpp"
 #include "motion/body_drift.hpp"
 #include "motion/body_drive.hpp"
 #include "motion/body_tween.hpp"
@@ -41,6 +42,7 @@ class MountedMap : public SlotMap<Mounted<Mechanism>> {
 struct Mechanisms {
   MountedMap<BodyDrive> drives{"drive"};
   MountedMap<TricycleDrive> tricycles{"drive"};
+  MountedMap<AckermannDrive> cars{"drive"};
   MountedMap<BodyTween> tweens{"tween"};
   MountedMap<BodyDrift> drifts{"drift"};
 
@@ -48,6 +50,7 @@ struct Mechanisms {
   TricycleDrive& Get(Handle<Mounted<TricycleDrive>> handle) {
     return tricycles.Get(handle).mechanism;
   }
+  AckermannDrive& Get(Handle<Mounted<AckermannDrive>> handle) { return cars.Get(handle).mechanism; }
   BodyTween& Get(Handle<Mounted<BodyTween>> handle) { return tweens.Get(handle).mechanism; }
   BodyDrift& Get(Handle<Mounted<BodyDrift>> handle) { return drifts.Get(handle).mechanism; }
   /// Calls `visit` with each map; drifts come last, since tweens move bodies.
@@ -55,6 +58,7 @@ struct Mechanisms {
   void ForEachMap(Visit visit) {
     visit(drives);
     visit(tricycles);
+    visit(cars);
     visit(tweens);
     visit(drifts);
   }
@@ -64,6 +68,7 @@ struct Mechanisms {
     const auto visit_one = [&](auto, auto& mounted) { visit(mounted.body, mounted.mechanism); };
     drives.ForEach(visit_one);
     tricycles.ForEach(visit_one);
+    cars.ForEach(visit_one);
   }
   /// The same for those on a body.
   template <class Visit>

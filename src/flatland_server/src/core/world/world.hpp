@@ -45,6 +45,7 @@ class World : public Access, private b2DestructionListener {
   using Joint = Handle<b2Joint*>;
   using Drive = Handle<Mounted<BodyDrive>>;
   using Tricycle = Handle<Mounted<TricycleDrive>>;
+  using Ackermann = Handle<Mounted<AckermannDrive>>;
   using Tween = Handle<Mounted<BodyTween>>;
   using Drift = Handle<Mounted<BodyDrift>>;
   using LidarHandle = Lidars::LidarHandle;
@@ -203,6 +204,10 @@ class World : public Access, private b2DestructionListener {
   /// Drives the body as a tricycle. `front_wheel`, a revolute joint of the body, holds the body of
   /// the front wheel, which is rotated to show the steering angle.
   Tricycle AddTricycle(Body body, Joint front_wheel, const TricycleSettings& settings);
+  /// Drives the body as a car. `wheels`, revolute joints of the body, hold the bodies of the
+  /// steered wheels, which are rotated to show their angles: 2 at most.
+  Ackermann AddAckermann(Body body, const std::vector<Joint>& wheels,
+                         const AckermannSettings& settings);
   /// Moves the body along a prescribed path, starting at its present pose.
   Tween AddTween(Body body, const TweenSettings& settings);
   /// Measures the body's motion with errors, and adds it up to an estimate of its pose. The first
@@ -295,6 +300,8 @@ class World : public Access, private b2DestructionListener {
   }
   void SetMassData(Body body, const b2MassData& data);
   b2RevoluteJoint& FindHinge(Joint joint) const;
+  /// The joint of a steered wheel of a body.
+  b2RevoluteJoint* FindWheel(Body body, Joint wheel) const;
   /// The same with `apply(b2RevoluteJoint&)`: Box2D removes a body's joints before it calls the
   /// contact listener, so the hinge still exists then.
   template <class Apply>

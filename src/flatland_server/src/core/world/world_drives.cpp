@@ -37,16 +37,35 @@ World::Drive World::AddDrive(Body body, const DynamicsLimits& linear, const Dyna
 }
 
 World::Tricycle World::AddTricycle(Body body, Joint front_wheel, const TricycleSettings& settings) {
-  const b2Body& base = Find(body);
+  b2RevoluteJoint* const joint = FindWheel(body, front_wheel);
   RequireIdle();
-  b2Joint* joint = joints_.Get(front_wheel);
-  Require(joint->GetType() == e_revoluteJoint &&
-              (joint->GetBodyA() == &base || joint->GetBodyB() == &base),
-          "the front wheel's joint must be a revolute joint of the driven body");
-  TricycleDrive drive(settings, static_cast<b2RevoluteJoint*>(joint));
+  TricycleDrive drive(settings, joint);
   if (b2FrictionJoint* belt = AddBelt(body, settings.actuator)) drive.actuator()->AddGrip(belt);
   const AccessGuard guard(*this);
   return mechanisms_.tricycles.Add({body, std::move(drive)});
+}
+
+World::Ackermann World::AddAckermann(Body body, const std::vector<Joint>& wheels,
+                                     const AckermannSettings& settings) {
+  std::array<b2RevoluteJoint*, 2> joints{};
+  Require(wheels.size() <= joints.size(), "a car has two steered wheels at most");
+  for (size_t i = 0; i < wheels.size(); ++i) joints[i] = FindWheel(body, wheels[i]);
+  Find(body);
+  RequireIdle();
+  Require(!bodies_.Get(body).is_layer, kNotALayer);
+  AckermannDrive drive(settings, joints);
+  if (b2FrictionJoint* belt = AddBelt(body, settings.actuator)) drive.actuator()->AddGrip(belt);
+  const AccessGuard guard(*this);
+  return mechanisms_.cars.Add({body, std::move(drive)});
+}
+
+b2RevoluteJoint* World::FindWheel(Body body, Joint wheel) const {
+  const b2Body& base = Find(body);
+  b2Joint* const joint = joints_.Get(wheel);
+  Require(joint->GetType() == e_revoluteJoint &&
+              (joint->GetBodyA() == &base || joint->GetBodyB() == &base),
+          "a steered wheel's joint must be a revolute joint of the driven body");
+  return static_cast<b2RevoluteJoint*>(joint);
 }
 
 World::Tween World::AddTween(Body body, const TweenSettings& settings) {

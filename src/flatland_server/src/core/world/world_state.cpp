@@ -201,6 +201,9 @@ void RestoreMechanisms(Mechanisms& mechanisms, const Mechanisms& state) {
   mechanisms.tricycles.ForEach([&](auto handle, auto& each) {
     each.mechanism.TakeMotion(state.tricycles.Get(handle).mechanism);
   });
+  mechanisms.cars.ForEach([&](auto handle, auto& each) {
+    each.mechanism.TakeMotion(state.cars.Get(handle).mechanism);
+  });
 }
 
 /// Writes or reads the mechanisms of a map, which must be on the same bodies.
@@ -369,6 +372,7 @@ void WorldState::Serialize(Archive& archive, const World& world) {
   }
   SerializeMounted(archive, mechanisms.drives, order, "the number of drives");
   SerializeMounted(archive, mechanisms.tricycles, order, "the number of tricycle drives");
+  SerializeMounted(archive, mechanisms.cars, order, "the number of Ackermann drives");
   SerializeMounted(archive, mechanisms.tweens, order, "the number of tweens");
   SerializeDrifts(archive, mechanisms.drifts, order);
   archive.Same(static_cast<uint32_t>(crowds.size()), "the number of crowds");

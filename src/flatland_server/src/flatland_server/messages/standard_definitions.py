@@ -12,6 +12,10 @@ a type with one or more fields or constants:
 from typing import Dict, Iterator, List
 
 _SHORTHANDS = {
+    "ackermann_msgs": """
+AckermannDrive: float32 steering_angle steering_angle_velocity speed acceleration jerk
+AckermannDriveStamped: std_msgs/Header header; AckermannDrive drive
+""",
     "actionlib_msgs": """
 GoalID: time stamp; string id
 GoalStatus: GoalID goal_id; uint8 status;

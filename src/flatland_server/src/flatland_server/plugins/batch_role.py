@@ -15,10 +15,11 @@ AddNoise = Callable[[Float32Array, int], Float32Array]
 class CoreDrive(NamedTuple):
     """A drive that the core moves at every step, and that obeys `ModelPlugin.command`."""
 
-    drive: Union[_core.Drive, _core.Tricycle]
+    drive: Union[_core.Drive, _core.Tricycle, _core.Ackermann]
     columns: Tuple[int, ...]
     """The index of the drive's number that each value of a command sets: among vx, vy and omega of
-    a `Drive`, or the speed and the steering angle of a `Tricycle`. The others are 0."""
+    a `Drive`, or the speed and the steering angle of a `Tricycle` or an `Ackermann`. The others
+    are 0."""
     limits: Tuple[float, ...]
     """The greatest magnitude of each value; 0 is no limit."""
     is_random: bool = False

@@ -117,18 +117,20 @@ class ModelPlugin(Plugin):
                 config.problem(str(error), key)
         return set(names)
 
-    def get_joint(self, config: YamlReader, key: str) -> Optional[Joint]:
+    def get_joint(self, config: YamlReader, key: str, default: Any = REQUIRED) -> Optional[Joint]:
         """The joint named by a key of the configuration.
 
         Args:
             config: the plugin's configuration.
             key: has the joint's name.
+            default: its name if the key is missing, such as "" for no joint; without it, the key is
+                required.
 
         Returns:
             The joint. None if there is none of this name; the problem is then noted and raised by
             `config.finish()`.
         """
-        name = config.get_string(key)
+        name = config.get_string(key, default)
         try:
             return self.model.get_joint(name)
         except ModelError as error:

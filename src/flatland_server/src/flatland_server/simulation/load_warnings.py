@@ -5,7 +5,7 @@ which several parts of a world are compared. They cost nothing after loading.
 """
 
 import math
-from typing import Dict, List, Mapping, Sequence, Set
+from typing import Dict, List, Mapping, Sequence, Set, Tuple
 from weakref import WeakValueDictionary
 
 import numpy as np
@@ -19,12 +19,14 @@ from flatland_server.models.entity import Entity
 from flatland_server.models.footprint import Circle, Footprint
 from flatland_server.models.layer import Layer
 from flatland_server.models.model import Model, ModelConfig
+from flatland_server.models.model_body import BodyConfig
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.simulation.world_config import ModelEntry, WorldConfig
 from flatland_server.simulation.world_contents import WorldContents
 
 _NEAREST = 1e-3  # m; the core's limit
+_TOUCH = 0.01  # m between footprints that are one
 _LARGEST_MODEL = 100.0  # m, in a world without walls
 _SMALLEST_ROOM = 10.0  # m
 _FARTHEST = 50.0  # m from all walls
@@ -150,12 +152,8 @@ def warn_of_sensors(config: ModelConfig, plugins: Sequence[Plugin]) -> None:
             drives = listed(sorted(driven))
             stays = f'no joint holds "{body}" to "{drives}", which is driven: it stays behind'
             reader.warn(stays, "body")
-        if _has_lidar(plugin) and _is_on_outline(config, body, reader):
-            reader.warn(
-                "is on the outline of a footprint of its own model, which it therefore does not "
-                'see; write "layers: []" for that footprint, or put the lidar elsewhere',
-                "origin",
-            )
+        if _has_lidar(plugin):
+            _warn_of_own_footprints(config, body, reader)
 
 
 def _has_lidar(plugin: Plugin) -> bool:
@@ -179,21 +177,71 @@ def _held_to(bodies: Set[str], config: ModelConfig) -> Set[str]:
     return held
 
 
-def _is_on_outline(config: ModelConfig, name: str, lidar: YamlReader) -> bool:
-    """True if a lidar is within a millimetre of the outline of a footprint that it sees."""
+def _warn_of_own_footprints(config: ModelConfig, name: str, lidar: YamlReader) -> None:
+    """Warns of a lidar on the outline of a footprint, or within one of several that overlap.
+
+    Args:
+        config: of its model.
+        name: of its body.
+        lidar: its entry.
+    """
     layers = set(lidar.get_strings("layers", (ALL,)))
     origin = lidar.get_pose("origin", Pose())
+    given = lidar.content().get("ignore_bodies") or ()
+    ignored = [given] if isinstance(given, str) else given
     if not lidar.is_sound:
-        return False
+        return
     mount = next((each.pose for each in config.bodies if each.name == name), Pose())
+    place = mount.compose(origin)
+    around: List[Tuple[Footprint, Pose]] = []
+    apart: List[Tuple[Footprint, BodyConfig]] = []
     for body in config.bodies:
-        x, y, _ = body.pose.inverse().compose(mount.compose(origin))
-        for footprint in body.footprints:
+        x, y, _ = body.pose.inverse().compose(place)
+        for footprint in body.footprints if body.name not in ignored else ():
             names = set(footprint.layers)
-            is_seen = names and (ALL in names | layers or names & layers)
-            if is_seen and not footprint.sensor and _gap(footprint, (x, y)) < _NEAREST:
-                return True
-    return False
+            if not names or not (ALL in names | layers or names & layers) or footprint.sensor:
+                continue
+            if _gap(footprint, (x, y)) < _NEAREST:
+                lidar.warn(
+                    "is on the outline of a footprint of its own model, which it therefore does "
+                    'not see; write "layers: []" for that footprint, or put the lidar elsewhere',
+                    "origin",
+                )
+                return
+            if _contains(footprint, (x, y)):
+                around.append((footprint, body.pose))
+            else:
+                apart.append((footprint, body))
+    for footprint, body in apart:
+        for other, pose in around:
+            relative = pose.inverse().compose(body.pose)
+            points = [relative.apply(x, y) for x, y in _outline(footprint)]
+            if any(_contains(other, point) or _gap(other, point) < _TOUCH for point in points):
+                lidar.warn(
+                    "is inside a footprint of its own model, and sees another one, of "
+                    f'"{body.name}", that overlaps it: write "ignore_bodies: [{body.name}]", or '
+                    '"layers: []" for that footprint',
+                    "origin",
+                )
+                return
+
+
+def _outline(footprint: Footprint) -> FloatArray:
+    """Points of a footprint's outline, several of each side; shape (n, 2)."""
+    corners = np.array(footprint.shape.outline(), dtype=float)
+    parts = np.linspace(0.0, 1.0, 8, endpoint=False)[:, None, None]
+    points: FloatArray = corners + parts * (np.roll(corners, -1, axis=0) - corners)
+    return points.reshape(-1, 2)
+
+
+def _contains(footprint: Footprint, point: Point) -> bool:
+    shape = footprint.shape
+    if isinstance(shape, Circle):
+        return math.dist(shape.center, point) < shape.radius
+    starts = np.array(shape.vertices)
+    sides, ways = np.roll(starts, -1, axis=0) - starts, np.array(point) - starts
+    areas = sides[:, 0] * ways[:, 1] - sides[:, 1] * ways[:, 0]
+    return bool((areas > 0.0).all() or (areas < 0.0).all())
 
 
 def _gap(footprint: Footprint, point: Point) -> float:

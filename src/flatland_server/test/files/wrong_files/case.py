@@ -6,8 +6,9 @@ WORLD, MAP, LINES, DATA = "world.yaml", "map.yaml", "lines.yaml", "lines.dat"
 MODEL = "robot.model.yaml"
 
 PLUGINS = (
-    "BoolSensor, Bumper, Crowd, DiffDrive, DummyModelPlugin, DummyWorldPlugin, Gps, Imu, Laser, "
-    "ModelTfPublisher, OmniDrive, Pedestrian, PosePublisher, RandomWall, TricycleDrive, Tween"
+    "AckermannDrive, BoolSensor, Bumper, Crowd, DiffDrive, DummyModelPlugin, DummyWorldPlugin, "
+    "Gps, Imu, JointMotor, JointStatePublisher, Laser, ModelTfPublisher, OmniDrive, Pedestrian, "
+    "PosePublisher, RandomWall, TricycleDrive, Tween"
 )
 
 # A mistake: the file, the text in it that is replaced (None is all of it), its replacement, and the

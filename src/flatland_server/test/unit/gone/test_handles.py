@@ -69,6 +69,13 @@ CALLS = {
     "joint": {"angle": (), "speed": (), "limits": (), "motor": (), "motor_torque": ()},
     "drive": {"command": (0, 0, 0), "target": (), "velocity": ()},
     "tricycle": {"command": (0, 0), "speed": (), "steer_angle": ()},
+    "car": {
+        "command": (0, 0),
+        "command_within": (0, 0, 0, 0, 0),
+        "speed": (),
+        "steer_angle": (),
+        "slip_angle": (),
+    },
     "tween": {"trigger": (True,), "progress": ()},
     "drift": {"pose": (), "velocity": ()},
     "lidar": {"expect_scan": (), "ranges": (), "scan": ()},
@@ -78,7 +85,7 @@ CALLS = {
 ELSEWHERE = {
     "body": {
         *("id", "alive"),  # still work after the end
-        *("add_circle", "add_polygon", "add_revolute", "add_weld", "add_tricycle"),
+        *("add_circle", "add_polygon", "add_revolute", "add_weld", "add_tricycle", "add_ackermann"),
     },
     "fixture": {"body", "index"},
     "joint": {"alive"},
@@ -97,6 +104,7 @@ def handles_of(world) -> dict:
         "joint": joint,
         "drive": base.add_drive(),
         "tricycle": base.add_tricycle(joint, (-0.5, 0)),
+        "car": base.add_ackermann(0.5, 0.4, wheels=[joint]),
         "tween": wheel.add_tween((1, 0, 0), 1.0),
         "drift": base.add_drift(1),
         "lidar": base.add_lidar(_core.BeamFan(0, 0.1, 3), (0, 0, 0), 5.0),
@@ -129,7 +137,7 @@ def test_using_a_handle_of_a_deleted_model_raises(files, world, kind, is_slot_ta
             answers[name] = use(handle, name, *arguments)
         except _core.GoneError as error:
             answers[name] = str(error)
-    noun = {"fixture": "body", "tricycle": "drive"}.get(kind, kind)
+    noun = {"fixture": "body", "tricycle": "drive", "car": "drive"}.get(kind, kind)
     assert answers == dict.fromkeys(CALLS[kind], f"this {noun} has been deleted")
 
 
@@ -170,6 +178,8 @@ def test_attaching_anything_to_a_deleted_body_raises(files, world):
         lambda: there.add_weld(gone, (0, 0), (0, 0)),
         lambda: gone.add_tricycle(joint, (-0.5, 0)),
         lambda: there.add_tricycle(old["joint"], (-0.5, 0)),
+        lambda: gone.add_ackermann(0.5, 0.4),
+        lambda: there.add_ackermann(0.5, 0.4, wheels=[old["joint"]]),
     ):
         with pytest.raises(_core.GoneError, match="has been deleted"):
             attach()
