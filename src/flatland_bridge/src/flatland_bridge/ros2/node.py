@@ -5,7 +5,7 @@ import os
 import re
 import threading
 from importlib import metadata
-from typing import Callable, Dict, List, Optional, Sequence, Set, Union
+from typing import Callable, Dict, List, Optional, Sequence, Set, TypeVar, Union
 
 import rclpy
 from rclpy.clock import Clock, ClockType
@@ -16,16 +16,16 @@ from rclpy.signals import SignalHandlerOptions
 
 from flatland_bridge import simulation_types
 from flatland_bridge.budget import Budgets
-from flatland_bridge.graph import BridgeError, Graph
 from flatland_bridge.graph import NODE as GRAPH_NODE
+from flatland_bridge.graph import BridgeError, Graph
 from flatland_bridge.ros2.services import Services
 from flatland_bridge.ros2.topics import Input, Key, Output
 from flatland_bridge.ros2.types import MissingType, Types
-from flatland_server.exceptions import UsageError, shortened
-from flatland_server.messages.message_types import get
-from flatland_server.real_time_timer import RealTimeTimer
+from flatland_server.exceptions import shortened
 
 logger = logging.getLogger(__name__)
+
+T = TypeVar("T")
 
 NODE = GRAPH_NODE[1:]
 """The name of the node, unless it is remapped."""
@@ -55,10 +55,10 @@ class Ros2Node:
         node: rclpy's.
         distribution: of ROS 2; empty if it cannot be told.
         domain: its number, by ROS_DOMAIN_ID.
+        command_type: "Twist" or "TwistStamped".
 
     Raises:
         BridgeError: ROS 2 does not start, such as with wrong arguments or domains.
-        UsageError: there is no such type of commands.
     """
 
     def __init__(
@@ -83,7 +83,7 @@ class Ros2Node:
             self._context.try_shutdown()
             raise BridgeError(f"ROS 2 does not start: {shortened(str(error))}") from None
         self.distribution = distribution()
-        self.command_type = cmd_vel_type
+        self.command_type = cmd_vel_type or TWISTS[not "" < self.distribution < _STAMPED_SINCE]
         self._executor = SingleThreadedExecutor(context=self._context)
         self._thread = threading.Thread(target=self._executor.spin, name="ros2", daemon=True)
         self._types = Types()
@@ -95,20 +95,7 @@ class Ros2Node:
         self._inputs: Dict[Key, Input] = {}
         self._refused: Set[Key] = set()
         self._missing: Dict[str, List[str]] = {}  # topics and services, by the package of the type
-        self._clash_timer: Optional[RealTimeTimer] = RealTimeTimer(1.0)
-
-    @property
-    def command_type(self) -> str:
-        """The type of topics to which the simulation subscribes as Twist: its bare name."""
-        return self._command_type
-
-    @command_type.setter
-    def command_type(self, name: str) -> None:
-        if not name:
-            name = "Twist" if "" < self.distribution < _STAMPED_SINCE else "TwistStamped"
-        if name not in TWISTS:
-            raise UsageError(f"cmd_vel_type: expected Twist or TwistStamped, found {name}")
-        self._command_type = name
+        self._has_warned = False  # of another node of this name
 
     def serve(self, graph: Graph) -> None:
         """Shows a graph from now on.
@@ -156,39 +143,29 @@ class Ros2Node:
         for key in gone:
             self._outputs.pop(key).close()
         for key in sorted(published.difference(self._outputs, self._refused)):
-            self._open(key, self._open_output)
+            self._open(key, self._outputs, Output, self._wake)
         subscribed = {
-            Key(topic, f"geometry_msgs/{self._command_type}" if kind == _TWIST else kind)
+            Key(topic, f"geometry_msgs/{self.command_type}" if kind == _TWIST else kind)
             for topic, kind in topics.subscribed.items()
             if topic not in topics.published
         }
         for key in set(self._inputs).difference(subscribed):
             self._inputs.pop(key).close()
         for key in sorted(subscribed.difference(self._inputs, self._refused)):
-            self._open(key, self._open_input)
+            self._open(key, self._inputs, Input, self._budget)
 
-    def _open(self, key: Key, open_it: Callable[[Key], None]) -> None:
+    def _open(self, key: Key, opened: Dict[Key, T], make: Callable[..., T], end: object) -> None:
         """Opens a topic, unless ROS 2 has no such name or type."""
         try:
             if not _TOPIC.fullmatch(key.topic):
                 raise BridgeError("ROS 2 allows no topic of this name")
-            open_it(key)
+            opened[key] = make(self.node, self._graph, key, self._types, end)
         except Exception as error:  # of any kind, from rosbags and rclpy
             self._refused.add(key)
             if isinstance(error, MissingType):
                 self._missing.setdefault(error.package, []).append(key.topic)
             else:
                 logger.info("%s [%s] is not a topic of ROS 2: %s", key.topic, key.kind, error)
-
-    def _open_output(self, key: Key) -> None:
-        types = self._types.topic(get(key.kind))
-        self._outputs[key] = Output(self.node, self._graph, key, types, self._wake)
-
-    def _open_input(self, key: Key) -> None:
-        kind = get(key.kind)
-        field = None if self._graph.topics.subscribed[key.topic] == key.kind else "twist"
-        types = self._types.topic(kind)
-        self._inputs[key] = Input(self.node, self._graph, key, types, kind, field, self._budget)
 
     def _entities(self) -> List[Union[Input, Output]]:
         return [*self._inputs.values(), *self._outputs.values()]
@@ -222,11 +199,9 @@ class Ros2Node:
 
     def _warn_of_others(self) -> None:
         """Warns once if there is another node of this name."""
-        if self._clash_timer is None or not self._clash_timer.check_update():
-            return
         own = self.node.get_name(), self.node.get_namespace()
-        if self.node.get_node_names_and_namespaces().count(own) > 1:
-            self._clash_timer = None
+        if not self._has_warned and self.node.get_node_names_and_namespaces().count(own) > 1:
+            self._has_warned = True
             logger.warning(
                 "there is another node %s in domain %d: both publish the same topics, and calls of "
                 "services may reach either; end one, or set ROS_DOMAIN_ID",

@@ -14,7 +14,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from flatland2d.cli.run import interrupts
-from flatland_bridge.ros2.node import Ros2Node
+from flatland_bridge.ros2.node import TWISTS, Ros2Node
 from flatland_bridge.server import Access, Server
 from flatland_server.exceptions import FlatlandError, UsageError, counted, suggestion
 from flatland_server.hub.server_config import ServerConfig, positive
@@ -45,7 +45,10 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
             print(f"flatland_server: {error}", file=sys.stderr)
             return 1
         stack.callback(ros2.close)
-        logging.basicConfig(level=logging.INFO, handlers=[_Ros2LogHandler(ros2.node)], force=True)
+        handler = _Ros2LogHandler(ros2.node)
+        logging.basicConfig(
+            level=logging.INFO, format="%(message)s", handlers=[handler], force=True
+        )
         try:
             server = stack.enter_context(_open(ros2))
         except FlatlandError as error:
@@ -59,7 +62,10 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 def _open(ros2: Ros2Node) -> Server:
     parameters = Parameters(ros2.node)
     config = ServerConfig.read(parameters.get)
-    ros2.command_type = parameters.get("~cmd_vel_type", "")
+    ros2.command_type = parameters.get("~cmd_vel_type", "") or ros2.command_type
+    if ros2.command_type not in TWISTS:
+        found = ros2.command_type
+        raise UsageError(f"~cmd_vel_type: expected Twist or TwistStamped, found {found}")
     page_port = parameters.get("~page_port", 0)
     if isinstance(page_port, bool) or page_port not in range(2**16):
         raise UsageError(f"~page_port: expected a port, or 0 for no page, found {page_port}")
@@ -78,19 +84,10 @@ def _open(ros2: Ros2Node) -> Server:
         wall_clock_stamps=config.wall_clock_stamps,
         tf_by_namespace=config.tf_by_namespace,
         ros2=ros2,
-        with_history=config.history,
         simplify_map=config.simplify_map,
         command_age=config.command_age,
         trusts_clients=True,
-        hub={
-            "view_rate": config.viz_pub_rate if config.show_viz else None,
-            "for_rviz": True,
-            "map_to_odom": config.map_to_odom,
-            "with_map": config.map,
-            "initial_pose": config.initial_pose,
-            "control_period": config.control_period,
-            "train_mode": config.train_mode,
-        },
+        **config.hub,
     )
     manager, world = server.manager, server.manager.world
     if config.realtime_priority:

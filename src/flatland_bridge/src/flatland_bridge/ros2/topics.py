@@ -4,7 +4,7 @@ import logging
 import time
 from contextlib import suppress
 from functools import partial
-from typing import Any, Callable, NamedTuple, Optional
+from typing import Callable, NamedTuple, Optional
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -13,10 +13,10 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from flatland_bridge.budget import Budget, Budgets
 from flatland_bridge.graph import BridgeError, Graph
 from flatland_bridge.outbox import Stream
-from flatland_bridge.ros2.types import Topic
+from flatland_bridge.ros2.types import Types
 from flatland_bridge.sample import Sample
 from flatland_server.exceptions import shortened
-from flatland_server.messages.message_types import deserialized
+from flatland_server.messages.message_types import deserialized, get
 
 logger = logging.getLogger(__name__)
 
@@ -70,26 +70,25 @@ class Output:
         node: publishes it.
         graph: has the topic.
         key: the topic.
-        types: of the topic.
+        types: makes rclpy's class, and converts.
         wake: called when there is something to send.
     """
 
     def __init__(
-        self, node: Node, graph: Graph, key: Key, types: Topic, wake: Callable[[], None]
+        self, node: Node, graph: Graph, key: Key, types: Types, wake: Callable[[], None]
     ) -> None:
         self._node = node
         self._graph = graph
         self._key = key
-        self._to_cdr = types.to_cdr
+        cls, self._type = types.topic(get(key.kind))
         self._publisher = node.create_publisher(
-            types.ros2, key.name, key.qos, qos_overriding_options=key.overriding(node)
+            cls, key.name, key.qos, qos_overriding_options=key.overriding(node)
         )
         self._budget = Budgets().open()
         length = 1 if key.is_latched else 0
         self._stream = Stream(lambda sample: (), wake, self._budget, length=length)
         self._end: Optional[Callable[[], None]] = None
-        self._subscribers = 0
-        self._clock = b""  # the last message of /clock
+        self._clock, self._has_ticked = b"", False  # the last message of /clock
 
     def follow(self) -> bool:
         """Looks for subscribers; False if the publisher has to be replaced.
@@ -97,10 +96,10 @@ class Output:
         A latched one keeps the last message for new subscribers, which would be an old one when
         they come after others have gone.
         """
-        former, self._subscribers = self._subscribers, self._publisher.get_subscription_count()
-        has_subscribers = self._subscribers > 0
-        if self._clock and self._subscribers > former:  # in a pause, no other comes
+        has_subscribers = self._publisher.get_subscription_count() > 0
+        if self._clock and not self._has_ticked:  # in a pause, for new subscribers
             self._publisher.publish(self._clock)
+        self._has_ticked = False
         if has_subscribers and self._end is None:
             with suppress(BridgeError):  # the simulation cannot keep up: later
                 self._end = self._graph.subscribe(
@@ -120,10 +119,10 @@ class Output:
             data = sample.encoded(_CDR, self._encode)
             self._publisher.publish(data)
             if self._key.topic == "/clock":
-                self._clock = data
+                self._clock, self._has_ticked = data, True
 
     def _encode(self, sample: Sample) -> bytes:
-        return self._to_cdr(sample.data)
+        return self._type.to_cdr(sample.data)
 
     def _unsubscribe(self) -> None:
         if self._end is not None:
@@ -144,31 +143,20 @@ class Input:
         node: subscribes to it.
         graph: has the topic.
         key: the topic, with the type that it has in ROS 2.
-        types: of that.
-        kind: the class of its messages.
-        field: the field that has the graph's message; None if it is the message itself.
+        types: makes rclpy's class, and converts.
         budget: counts what waits for the simulation.
     """
 
-    def __init__(
-        self,
-        node: Node,
-        graph: Graph,
-        key: Key,
-        types: Topic,
-        kind: Any,
-        field: Optional[str],
-        budget: Budget,
-    ) -> None:
+    def __init__(self, node: Node, graph: Graph, key: Key, types: Types, budget: Budget) -> None:
         self._node = node
         self._name = key.topic
-        self._kind = kind
-        self._from_cdr = types.from_cdr
-        self._field = field
+        self._kind = get(key.kind)
+        self._is_stamped = graph.topics.subscribed[key.topic] != key.kind
+        cls, self._type = types.topic(self._kind)
         self._publish = partial(graph.publish, key.topic, client=budget)
         self._has_warned = False
         self._subscription = node.create_subscription(
-            types.ros2,
+            cls,
             key.name,
             self._receive,
             key.qos,
@@ -178,8 +166,8 @@ class Input:
 
     def _receive(self, data: bytes) -> None:
         try:
-            message = deserialized(self._kind, self._from_cdr(data), "strict")
-            self._publish(message if self._field is None else getattr(message, self._field))
+            message = deserialized(self._kind, self._type.from_cdr(data), "strict")
+            self._publish(message.twist if self._is_stamped else message)
         except BridgeError as error:
             self._warn(str(error))
         except Exception as error:  # of any kind, from any depth of rosbags

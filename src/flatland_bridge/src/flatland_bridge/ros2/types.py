@@ -6,30 +6,16 @@ it is. Requests and responses of services are objects in rclpy, which converts t
 
 import importlib
 from functools import lru_cache
-from typing import Any, Callable, NamedTuple
+from typing import Any, Tuple
 
 from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.type_support import check_for_type_support
 
-from flatland2d.ros2_messages import Ros2Messages
+from flatland2d.ros2_messages import Ros2Messages, Ros2Type
 from flatland_bridge.graph import BridgeError
 from flatland_server.messages.message_types import deserialized
 from flatland_server.messages.service_types import ServiceType
 from flatland_server.messages.wire_form import serialized
-
-
-class Topic(NamedTuple):
-    """The type of a topic.
-
-    Attributes:
-        ros2: rclpy's class.
-        to_cdr: makes CDR of a message that is serialized as in ROS 1.
-        from_cdr: the reverse; wrong data raises any exception.
-    """
-
-    ros2: Any
-    to_cdr: Callable[[bytes], bytes]
-    from_cdr: Callable[[bytes], bytes]
 
 
 class MissingType(BridgeError):
@@ -54,8 +40,8 @@ class Types:
     def __init__(self) -> None:
         self._messages = Ros2Messages()
 
-    def topic(self, kind: Any) -> Topic:
-        """The type of a topic.
+    def topic(self, kind: Any) -> Tuple[Any, Ros2Type]:
+        """The class of a topic's messages, and their conversion from and to CDR.
 
         Args:
             kind: the class of its messages in the simulation.
@@ -63,9 +49,7 @@ class Types:
         Raises:
             MissingType: ROS 2 has no such type.
         """
-        cls = interface(kind._type, "msg")
-        ros2 = self._messages.type_of(kind)
-        return Topic(cls, ros2.to_cdr, ros2.from_cdr)
+        return interface(kind._type, "msg"), self._messages.type_of(kind)
 
     def request(self, kind: ServiceType, request: Any) -> Any:
         """A request of rclpy as one of the simulation."""

@@ -63,7 +63,7 @@ class OccupancyMap:
 
 
 def _cells_of(layer: Layer) -> Tuple[Int8Array, float, Pose]:
-    """The cells of a map, the lowest row first, their size [m], and the pose of the first corner."""
+    """The cells of a map, the lowest row first, their size [m], and the pose of the corner."""
     config = layer.config
     if isinstance(config.map, Path) and config.encloses:
         try:

@@ -104,6 +104,20 @@ class ServerConfig(NamedTuple):
         return config
 
     @property
+    def hub(self) -> Dict[str, Any]:
+        """Options of `open_hub`."""
+        return {
+            "view_rate": self.viz_pub_rate if self.show_viz else None,
+            "for_rviz": True,
+            "map_to_odom": self.map_to_odom,
+            "with_map": self.map,
+            "initial_pose": self.initial_pose,
+            "with_history": self.history,
+            "control_period": self.control_period,
+            "train_mode": self.train_mode,
+        }
+
+    @property
     def params(self) -> Dict[str, Any]:
         """The parameters that plugins read."""
         names = ("no_return", "static_tf", "odom_topic")
@@ -133,7 +147,7 @@ def _require_real_time(config: ServerConfig, get: Get) -> None:
 
 
 def _world_file(name: str) -> Path:
-    """The absolute path of a shipped world or of the world's file; a relative one has to be there."""
+    """The absolute path of a shipped world, or of a file; a relative one has to be there."""
     path = shipped_worlds().get(name) or to_path(name)
     if not path.is_absolute() and not path.exists():
         raise FlatlandError(
@@ -177,9 +191,7 @@ def flag(get: Get, name: str, default: bool) -> bool:
     return bool(value)
 
 
-def positive_param(
-    get: Get, name: str, default: float, *, allow_infinity: bool = False
-) -> float:
+def positive_param(get: Get, name: str, default: float, *, allow_infinity: bool = False) -> float:
     """A parameter that is a number above zero.
 
     Args:

@@ -126,19 +126,8 @@ def _open_hub(
     Returns:
         The watch for other localisers, if the server sends map -> odom.
     """
-    hub = open_hub(
-        manager,
-        ClientFiles(manager.world, config.state_folder),
-        log=log,
-        view_rate=config.viz_pub_rate if config.show_viz else None,
-        for_rviz=True,
-        map_to_odom=config.map_to_odom,
-        with_map=config.map,
-        initial_pose=config.initial_pose,
-        with_history=config.history,
-        control_period=config.control_period,
-        train_mode=config.train_mode,
-    )
+    files = ClientFiles(manager.world, config.state_folder)
+    hub = open_hub(manager, files, log=log, **config.hub)
     if config.realtime_priority:
         manager.on_tick.append(ThreadPriority().update)
     manager.on_tick.append(SlowPluginWatch().update)
