@@ -28,7 +28,7 @@ def test_nodes_of_ros_2(distribution, first, tmp_path):
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
-        timeout=250,
+        timeout=900,
     )
 
     assert result.returncode == 0, result.stdout[-8000:]
