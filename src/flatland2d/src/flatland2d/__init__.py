@@ -41,6 +41,7 @@ from flatland_server import (
     messages,
 )
 from flatland_server import __version__ as __version__
+from flatland_server._core import Walls
 
 if _typing.TYPE_CHECKING:
     from flatland2d.batch.simulation_batch import SimulationBatch
@@ -95,6 +96,7 @@ __all__ = [
     "Touch",
     "UsageError",
     "Velocity",
+    "Walls",
     "YamlError",
     "find_robot",
     "messages",

@@ -44,7 +44,7 @@ class FreeSpace:
     ) -> None:
         self.clearance = clearance
         self.resolution = resolution
-        self._reachable = reachable
+        self._packed, self._columns = np.packbits(reachable, axis=1), reachable.shape[1]
         self._origin = origin
         self._squares = _core.FloorSquares(reachable, origin.tolist(), resolution)
         self.area = len(self._squares) * resolution**2
@@ -64,9 +64,10 @@ class FreeSpace:
         if np.ndim(points) != 2 or np.shape(points)[1] < 2:
             raise UsageError(f"expected points of shape (n, 2), found {np.shape(points)}")
         columns, rows = np.floor((points[:, :2] - self._origin) / self.resolution).T.astype(int)
-        height, width = self._reachable.shape
+        reachable = self._reachable
+        height, width = reachable.shape
         is_inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
-        found = self._reachable[rows.clip(0, height - 1), columns.clip(0, width - 1)]
+        found = reachable[rows.clip(0, height - 1), columns.clip(0, width - 1)]
         return np.asarray(is_inside & found)
 
     def contains_point(self, x: float, y: float) -> bool:
@@ -156,6 +157,11 @@ class FreeSpace:
         squares = np.column_stack([columns[chosen], rows[chosen]])
         points = self._origin + (squares + rng.random((count, 2))) * self.resolution
         return np.column_stack([points, rng.uniform(-math.pi, math.pi, count)])
+
+    @property
+    def _reachable(self) -> BoolArray:
+        """The squares, a bit of which is kept each: a program may have hundreds of maps."""
+        return np.unpackbits(self._packed, axis=1, count=self._columns).view(bool)
 
     @cached_property
     def _places(self) -> Tuple[Any, ...]:
@@ -298,6 +304,10 @@ class DistanceGrid:
 
     def _nearest(self, free: BoolArray) -> Tuple[int, int]:
         """The row and column of the free square that is nearest to the start."""
+        column, row = np.floor((self._start - self._origin) / self.resolution).astype(int).tolist()
+        height, width = free.shape
+        if 0 <= row < height and 0 <= column < width and free[row, column]:
+            return row, column
         rows, columns = np.nonzero(free)
         squares = self._origin + (np.column_stack([columns, rows]) + 0.5) * self.resolution
         nearest = int(((squares - self._start) ** 2).sum(axis=1).argmin())

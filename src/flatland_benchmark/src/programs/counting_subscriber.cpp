@@ -23,7 +23,7 @@
 
 namespace {
 
-constexpr int kQueueSize = 100;
+constexpr int kQueueSize = 10000;  // at 100 times real time, 100 are those of 5 ms
 constexpr char kState[] = "/flatland_server/state";
 
 /// The monotonic clock [s], the same as Python's time.monotonic().

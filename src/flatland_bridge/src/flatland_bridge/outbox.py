@@ -19,7 +19,7 @@ Send = Callable[[Data], Awaitable[None]]
 Encode = Callable[[Sample], Sequence[Data]]
 Report = Callable[[str], None]
 
-MOST_MESSAGES = 100
+MOST_MESSAGES = 1000
 """Messages of a topic that wait for a slow client; then the oldest is dropped."""
 
 _ENTRY = 100

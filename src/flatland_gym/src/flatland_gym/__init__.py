@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from flatland2d import MissingPackageError
 from flatland_gym.policy import Policy
 from flatland_gym.rewards import RewardWeights, Transition, navigation_reward
+from flatland_gym.rooms import Rooms
 from flatland_gym.scenarios import SCENARIOS, Scenario
 from flatland_gym.settings import NavigationSettings
 
@@ -26,6 +27,7 @@ __all__ = [
     "NavigationVectorEnv",
     "Policy",
     "RewardWeights",
+    "Rooms",
     "Scenario",
     "Transition",
     "navigation_reward",

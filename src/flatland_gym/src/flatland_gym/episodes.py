@@ -9,21 +9,22 @@ import math
 from dataclasses import dataclass, replace
 from itertools import groupby
 from operator import attrgetter
-from typing import Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from flatland2d import Point, Pose, UsageError
 from flatland2d.free_space import Circle, Circles
+from flatland_gym.maps import Maps
 from flatland_gym.navigation_world import NavigationWorld, parking_place
-from flatland_gym.settings import NavigationSettings
+from flatland_gym.settings import NavigationSettings, is_whole
 from flatland_server import Segments, from_segments
 
 _TRIES = 500
 _TRIES_OF_MODELS = 60
 
 _DRAWN = ("world", "goal_distance", "margin", "obstacles", "robot_scales")
-OPTIONS = ("start", "goal", *_DRAWN)
+OPTIONS = ("start", "goal", *_DRAWN, "map")
 """The keys of `reset(options=...)`."""
 
 
@@ -37,6 +38,7 @@ class Episode:
         starts: of the robots' origins, in the world.
         goals: x, y [m] in the world, for each robot.
         places: poses of other models, by name.
+        map: its number; None without maps.
     """
 
     world: int
@@ -44,6 +46,7 @@ class Episode:
     starts: Tuple[Pose, ...]
     goals: Tuple[Point, ...]
     places: Mapping[str, Pose]
+    map: Optional[int] = None
 
     def is_near(self, walls: Segments, distance: float) -> bool:
         """True if a start or a goal is nearer than this [m] to one of some walls."""
@@ -62,11 +65,13 @@ class Choice:
         worlds: the indices of the worlds.
         settings: those of the environment, with the options in place of arguments.
         ends: start and goal of each robot, where options give them.
+        maps: the numbers of the maps; empty without.
     """
 
     worlds: Tuple[int, ...]
     settings: NavigationSettings
     ends: Sequence["_Ends"]
+    maps: Sequence[int]
 
 
 class EpisodeSampler:
@@ -75,9 +80,16 @@ class EpisodeSampler:
     Args:
         worlds: that episodes choose from.
         settings: of the environment.
+        maps: of the settings.
     """
 
-    def __init__(self, worlds: Sequence[NavigationWorld], settings: NavigationSettings) -> None:
+    def __init__(
+        self,
+        worlds: Sequence[NavigationWorld],
+        settings: NavigationSettings,
+        maps: Optional[Maps],
+    ) -> None:
+        self._maps = maps
         self._worlds = worlds
         self._settings = settings
         self._usual: Dict[int, List[_Ends]] = {}  # that the worlds themselves give
@@ -88,8 +100,9 @@ class EpisodeSampler:
         Args:
             options: `start` ([x, y] or [x, y, yaw]) and `goal` ([x, y]), which are otherwise drawn,
                 or with several robots dicts of these by the robot's name, for all or some of them;
-                and `world`, `goal_distance`, `margin`, `obstacles` and `robot_scales`, in place of
-                the environment's arguments, within what these have made: some of the worlds and
+                `map`, the number of a map, or several to draw one from; and `world`,
+                `goal_distance`, `margin`, `obstacles` and `robot_scales`, in place of the
+                environment's arguments, within what these have made: some of the worlds and
                 sizes, and at most this margin and as many obstacles.
 
         Raises:
@@ -117,6 +130,7 @@ class EpisodeSampler:
             tuple(self._indices(given)),
             settings,
             _given_ends(options, self._worlds[0].robots),
+            self._map_numbers(options.get("map")),
         )
 
     def draw(self, rng: np.random.Generator, choice: Choice) -> Episode:
@@ -132,7 +146,10 @@ class EpisodeSampler:
         """
         count = len(choice.worlds)
         index = choice.worlds[int(rng.integers(count)) if count > 1 else 0]
-        world = self._worlds[index]
+        world, chosen_map = self._worlds[index], None
+        if self._maps is not None:
+            chosen_map = choice.maps[int(rng.integers(len(choice.maps)))]
+            world = self._maps[chosen_map].world
         if index not in self._usual:
             self._usual[index] = _given_ends(world.ends, world.robots)
         usual = self._usual[index]
@@ -166,7 +183,20 @@ class EpisodeSampler:
             near_starts.append((start.x, start.y, world.radius))
             near_goals.append((*goal, world.radius))
         places = self._places(world, choice.settings, near_starts + near_goals, rng)
-        return Episode(index, seed, tuple(starts), tuple(goals), places)
+        return Episode(index, seed, tuple(starts), tuple(goals), places, chosen_map)
+
+    def _map_numbers(self, given: Any) -> Sequence[int]:
+        """The numbers of the maps that the option `map` leaves."""
+        if given is None:
+            return range(self._settings.num_maps)
+        if self._maps is None:
+            raise UsageError("expected no option map in an environment without maps")
+        numbers = given if isinstance(given, (Sequence, np.ndarray)) else [given]
+        if not len(numbers) or not all(is_whole(each) and each >= 0 for each in numbers):
+            raise UsageError(
+                f"expected the option map as a number of 0 or more, or several, found {given!r:.80}"
+            )
+        return numbers if isinstance(numbers, range) else [int(each) for each in numbers]
 
     def _indices(self, options: Mapping[str, Any]) -> List[int]:
         """The indices of the worlds that options leave."""

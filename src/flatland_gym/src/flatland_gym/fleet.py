@@ -5,12 +5,13 @@ into the arrays of a `BatchObservation`, which fleets of several worlds share.
 """
 
 from abc import ABC, abstractmethod
-from typing import List, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 
 from flatland2d import BatchObservation, Simulation, SimulationBatch
 from flatland_gym.episodes import Episode
+from flatland_gym.maps import Maps
 from flatland_gym.navigation_world import NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings
 from flatland_server import BoolArray, FloatArray, IntArray, Segments
@@ -60,6 +61,10 @@ class Fleet(ABC):
         """
 
     @abstractmethod
+    def drive(self, command: Sequence[float]) -> None:
+        """Makes a step of the environment of the only robot; the command is finite."""
+
+    @abstractmethod
     def retire(self, indices: IntArray, leaving: BoolArray) -> None:
         """Stops robots that `step` is no longer called with, and parks those that leave.
 
@@ -99,6 +104,7 @@ class BatchFleet(Fleet):
         settings: of the environment.
         rows: what the robots measure.
         threads: of the batch.
+        maps: of the settings.
 
     Raises:
         PluginError: a plugin of the world runs in Python at each step.
@@ -110,8 +116,10 @@ class BatchFleet(Fleet):
         settings: NavigationSettings,
         rows: BatchObservation,
         threads: int = 1,
+        maps: Optional[Maps] = None,
     ) -> None:
         super().__init__(world, settings, rows)
+        self._maps = maps
         team = self._team
         count = len(rows.poses) // team
         self._moved = [disc.name for disc in (*world.scattered, *world.obstacles)]
@@ -130,18 +138,26 @@ class BatchFleet(Fleet):
         parking = [parking_place(-1 - number) for number in range(team)]
         self._parking = np.broadcast_to(parking, self._out.poses.shape)
         self._places = np.zeros((count, len(self._moved), 3))
+        self._commands = np.zeros((len(rows.poses), len(self._batch.action_names)))
+        self._drive = self._batch.stepper(settings.frame_skip, self._out)
 
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
-        poses = np.zeros(self._out.poses.shape)
-        count = len(poses)
-        mask, seeds = np.zeros(count, bool), np.zeros(count, np.int64)
-        mask[indices] = True
-        seeds[indices] = [episode.seed for episode in episodes]
-        poses[indices] = [episode.starts for episode in episodes]
-        places = self._places if self._moved else None
-        if places is not None:
+        count = len(self._out.poses)
+        seeds = np.array([episode.seed for episode in episodes])
+        poses = np.array([episode.starts for episode in episodes])
+        mask = places = None
+        if len(indices) < count:
+            mask, given = self._mask(indices), (seeds, poses)
+            seeds, poses = np.zeros(count, np.int64), np.zeros(self._out.poses.shape)
+            seeds[indices], poses[indices] = given
+        if self._moved:
+            places = self._places
             places[indices] = [[each.places[name] for name in self._moved] for each in episodes]
-        self._batch.reset(mask, seeds, poses, out=self._out, model_poses=places)
+        walls = {}
+        if self._maps is not None:
+            numbers = zip(indices.tolist(), episodes)
+            walls = {k: self._maps[episode.map or 0].walls for k, episode in numbers}
+        self._batch.reset(mask, seeds, poses, out=self._out, model_poses=places, walls=walls)
 
     def added_walls(self, index: int) -> Segments:
         return self._batch.added_walls(index)
@@ -154,6 +170,10 @@ class BatchFleet(Fleet):
             self._out.collided[mask.any(axis=1)] = False  # of robots that are not observed, too
         shaped = actions.reshape(*self._out.collided.shape, -1)
         self._batch.step(shaped, self._settings.frame_skip, out=self._out, mask=mask)
+
+    def drive(self, command: Sequence[float]) -> None:
+        self._commands[0] = command
+        self._drive(self._commands)
 
     def retire(self, indices: IntArray, leaving: BoolArray) -> None:
         mask = np.zeros(self._out.collided.shape, bool)

@@ -12,6 +12,7 @@ from flatland2d import BatchObservation, Simulation, UsageError
 from flatland_gym.episodes import EpisodeSampler, options_of
 from flatland_gym.fleet import Fleet, Motions
 from flatland_gym.judging import judge
+from flatland_gym.maps import Maps
 from flatland_gym.navigation_world import load_all
 from flatland_gym.neighbors import Neighbors
 from flatland_gym.observations import as_dict, goal_distances
@@ -41,8 +42,8 @@ class Navigation:
         settings: what the environments are.
         count: how many there are.
         threads: how many are stepped at a time; results do not depend on it.
-        robots: how many each environment has, m; None: one. If it is given, a single environment is
-            a `Simulation`, also where a batch would do. Results do not depend on that.
+        robots: how many each environment has, m. A single environment of several is a `Simulation`,
+            also where a batch would do. Results do not depend on that.
 
     Attributes:
         metadata: Gymnasium's, of these environments.
@@ -65,22 +66,23 @@ class Navigation:
         settings: NavigationSettings,
         count: int = 1,
         threads: int = 1,
-        robots: Optional[int] = None,
+        robots: int = 1,
     ) -> None:
         self.settings = settings
         self.metadata: Dict[str, Any] = {
             "render_modes": list(RENDER_MODES),
             "render_fps": round(1.0 / settings.period, 3),
         }
-        self._worlds = load_all(settings, robots or 1)
+        self._worlds = load_all(settings, robots)
         self.robot, self.robot_names = self._worlds[0].robot, self._worlds[0].robots
         self._others = tuple(dict.fromkeys(n for world in self._worlds for n in world.others))
         self._radii = np.array([world.radii(self._others) for world in self._worlds])
-        self._sampler = EpisodeSampler(self._worlds, settings)
+        self._maps = Maps(settings, self._worlds[0], count) if settings.maps is not None else None
+        self._sampler = EpisodeSampler(self._worlds, settings, self._maps)
         self.options = {}
         self._fleets: Dict[int, Fleet] = {}
         self._threads = threads
-        self._is_single = robots is not None and count == 1
+        self._is_single = count == 1 and robots > 1 and settings.maps is None
         self.action_space = self.robot.action_space()
         self.observation_space = self.robot.observation_space(settings)
         self._limits = self.robot.actions
@@ -88,11 +90,12 @@ class Navigation:
             self.robot.beams, self.robot.max_range, self.robot.velocity_limits
         )
         self._period, self._longest_episode = settings.period, settings.longest_episode
-        self._team = robots or 1
+        self._team = robots
         count *= self._team
         self.rows = BatchObservation.empty(count, self.robot.beams)
-        self._neighbors = Neighbors(self._worlds, settings, count, self._team)
+        self._neighbors = Neighbors(self._worlds, settings, count, self._team, self._maps)
         self._world_of = np.full(count, -1)  # the index of each row's world
+        self._map_of = np.zeros(count, int)
         self.goals = np.zeros((count, 2))
         self.distances = np.zeros(count)
         self.successes = np.zeros(count, dtype=bool)
@@ -128,11 +131,11 @@ class Navigation:
         given, choice = options_of(options), self._choice
         if given:
             choice = self._sampler.choice({**self._options, **given})
-        may_fail = given or self._options
+        may_fail = given or self._options or self._maps is not None
         states = [generator.bit_generator.state for generator in generators] if may_fail else []
         try:
             episodes = [self._sampler.draw(generator, choice) for generator in generators]
-        except UsageError:
+        except BaseException:  # also one of a program's function that makes maps
             for generator, state in zip(generators, states):
                 generator.bit_generator.state = state
             raise
@@ -151,6 +154,8 @@ class Navigation:
             rows = self._rows_of(indices).ravel()
         self.goals[rows] = [goal for episode in episodes for goal in episode.goals]
         self._world_of[rows] = [episode.world for episode in episodes for _ in episode.goals]
+        if self._maps is not None:
+            self._map_of[rows] = [episode.map for episode in episodes for _ in episode.goals]
         if self.settings.neighbors:
             self._see(indices, [episode.seed for episode in episodes])
         self.steps[rows] = 0
@@ -246,6 +251,7 @@ class Navigation:
                 "collided": self.rows.collided[own].tolist(),
                 "steps": self.steps[own].tolist(),
                 "episode": int(self._neighbors.seeds[own[0]]),
+                "map": int(self._map_of[own[0]]),
             }
             for k, own in zip(indices.tolist(), rows)
         ]
@@ -272,6 +278,7 @@ class Navigation:
             self._fleet(world).load_states(indices[chosen], loaded)
         rows = self._rows_of(indices)
         self._world_of[rows] = worlds[:, None]
+        self._map_of[rows] = [[state["map"]] for state in states]
         self.goals[rows] = [state["goal"] for state in states]
         self.distances[rows] = [state["distance"] for state in states]
         self.successes[rows] = [state["success"] for state in states]
@@ -290,6 +297,11 @@ class Navigation:
             fleet = self._fleet(int(self._world_of[rows[0]]))
             self._neighbors.add_walls(rows.tolist(), fleet.added_walls(rows[0] // self._team))
 
+    @property
+    def _walls_of(self) -> IntArray:
+        """The number of each row's map, or the index of its world."""
+        return self._world_of if self._maps is None else self._map_of
+
     def observe(self) -> Float32Array:
         """Flat observations of all robots: a new array."""
         rows = self.rows
@@ -300,7 +312,7 @@ class Navigation:
         radii = self._radii[self._world_of][..., None]
         others = np.concatenate([poses[..., :2], velocities[..., :2], radii], axis=-1)
         near = self._neighbors.observe(
-            rows.poses, rows.local_velocities, others, self._world_of, self.steps
+            rows.poses, rows.local_velocities, others, self._walls_of, self.steps
         )
         return np.concatenate([flat, near], axis=1)
 
@@ -318,6 +330,7 @@ class Navigation:
             "distance": self.distances.copy(),
             "pose": self.rows.poses.copy(),
             "goal": self.goals.copy(),
+            **({} if self._maps is None else {"map": self._map_of.copy()}),
         }
 
     def policy(self, weights: Sequence[Float32Array], biases: Sequence[Float32Array]) -> Policy:
@@ -371,7 +384,7 @@ class Navigation:
             self._fleets[world] = (
                 RobotSimulation(found, settings, self.rows)
                 if self._is_single
-                else make_fleet(found, settings, self.rows, self._threads)
+                else make_fleet(found, settings, self.rows, self._threads, self._maps)
             )
         return self._fleets[world]
 

@@ -1,9 +1,10 @@
 """The other models that robots observe: those within reach that no wall hides, with noise."""
 
-from typing import Dict, Sequence
+from typing import Dict, Optional, Sequence
 
 import numpy as np
 
+from flatland_gym.maps import Maps
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.observations import neighbor_rows
 from flatland_gym.settings import NavigationSettings
@@ -24,6 +25,7 @@ class Neighbors:
         settings: of the environments.
         count: of the robots, n.
         team: how many there are in each environment.
+        maps: of the settings.
 
     Attributes:
         seeds: of the present episodes, shape (n,).
@@ -31,12 +33,18 @@ class Neighbors:
     """
 
     def __init__(
-        self, worlds: Sequence[NavigationWorld], settings: NavigationSettings, count: int, team: int
+        self,
+        worlds: Sequence[NavigationWorld],
+        settings: NavigationSettings,
+        count: int,
+        team: int,
+        maps: Optional[Maps],
     ) -> None:
         self._count, self._noise = settings.neighbors, float(settings.neighbor_noise)
         self.reach = float(settings.neighbor_range or worlds[0].robot.max_range)
         sees_all = settings.neighbors_behind_walls
         self._walls = [LinesOfSight(np.empty((0, 4)) if sees_all else w.walls) for w in worlds]
+        self._maps = None if sees_all else maps
         self._added: Dict[int, LinesOfSight] = {}
         self.seeds = np.zeros(count, np.uint64)
         self._robots = np.arange(count, dtype=np.uint64) % np.uint64(team) * _ROBOT
@@ -53,7 +61,7 @@ class Neighbors:
         poses: FloatArray,
         velocities: FloatArray,
         others: FloatArray,
-        worlds: IntArray,
+        places: IntArray,
         steps: IntArray,
     ) -> Float32Array:
         """As `neighbor_rows`.
@@ -62,7 +70,7 @@ class Neighbors:
             poses: as for `neighbor_rows`.
             velocities: as for `neighbor_rows`.
             others: as for `neighbor_rows`; changed.
-            worlds: the indices of the robots' worlds, shape (n,).
+            places: the indices of the robots' worlds, or the numbers of their maps, shape (n,).
             steps: of the episodes so far, shape (n,).
         """
         offsets = others[..., :2] - poses[:, None, :2]
@@ -70,8 +78,11 @@ class Neighbors:
         rows, columns = np.nonzero(near)
         lines = np.concatenate([poses[rows, :2], others[rows, columns, :2]], axis=1)
         hidden = np.zeros(len(rows), bool)
-        for index, walls in enumerate(self._walls):
-            chosen = worlds[rows] == index
+        for place in np.unique(places[rows]).tolist():
+            walls = self._walls[0 if len(self._walls) == 1 else place]
+            if self._maps is not None:
+                walls = self._maps[place].lines
+            chosen = places[rows] == place
             hidden[chosen] = walls.blocked(lines[chosen])
         for row, walls in self._added.items():
             chosen = rows == row

@@ -56,6 +56,10 @@ class NavigationSettings:
         robot_scales: sizes of the robot's footprints, relative to the world's; each episode draws
             one.
         params: parameters for expressions in the world's files, by absolute name.
+        maps: makes the walls of map k, which are in the place of those of the world's first layer:
+            a function of `numpy.random.default_rng(k)` that returns them, shape (n, 4), x1, y1, x2,
+            y2 [m]; such as `Rooms`. Each episode draws a map.
+        num_maps: how many maps there are, from number 0 on.
     """
 
     world: Union[WorldName, Sequence[WorldName]] = "office"
@@ -86,6 +90,8 @@ class NavigationSettings:
     lidar_noise: Optional[float] = None
     robot_scales: Sequence[float] = (1.0,)
     params: Mapping[str, Any] = field(default_factory=dict)
+    maps: Optional[Callable[[np.random.Generator], Any]] = None
+    num_maps: int = 1_000_000
 
     def __post_init__(self) -> None:
         """Raises a UsageError for a value that is not usable."""
@@ -95,6 +101,12 @@ class NavigationSettings:
                 _require(name, value, is_whole(value) and value >= 1, "a whole number above 0")
         is_count = is_whole(self.neighbors) and 0 <= self.neighbors <= _MOST
         _require("neighbors", self.neighbors, is_count, f"a whole number of 0 to {_MOST}")
+        is_number = is_whole(self.num_maps) and self.num_maps >= 1
+        _require("num_maps", self.num_maps, is_number, "a whole number above 0")
+        is_function = self.maps is None or callable(self.maps)
+        _require("maps", self.maps, is_function, "a function that makes walls")
+        if self.maps is not None and len(self.worlds) * len(self.robot_scales) > 1:
+            raise UsageError("expected one world and one size of the robot with maps")
         _require("world", self.world, self.worlds, "a world, or one at least in a sequence")
         for name in ("step_size", "goal_radius", "speed_limit", "yaw_rate_limit", "steer_limit"):
             _require_number(name, getattr(self, name), above=0.0)

@@ -8,6 +8,7 @@ import numpy as np
 from flatland2d import BatchObservation, PluginError, Simulation
 from flatland_gym.episodes import Episode
 from flatland_gym.fleet import BatchFleet, Fleet, Motions
+from flatland_gym.maps import Maps
 from flatland_gym.navigation_world import NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings
 from flatland_server import Body, BoolArray, FloatArray, IntArray, ModelPlugin, Segments
@@ -70,9 +71,12 @@ class RobotSimulation(Fleet):
         return np.concatenate([np.empty((0, 4)), *added])
 
     def step(self, actions: FloatArray, indices: IntArray) -> None:
-        self.drive(indices.tolist(), actions[indices].tolist())
+        self._drive(indices.tolist(), actions[indices].tolist())
 
-    def drive(self, numbers: Sequence[int], commands: Sequence[Sequence[float]]) -> None:
+    def drive(self, command: Sequence[float]) -> None:
+        self._drive((0,), (command,))
+
+    def _drive(self, numbers: Sequence[int], commands: Sequence[Sequence[float]]) -> None:
         """Makes a step of the environment with some robots.
 
         Args:
@@ -167,6 +171,9 @@ class SimulationFleet(Fleet):
             list(numbers),
         )
 
+    def drive(self, command: Sequence[float]) -> None:
+        self._places[0].drive(command)
+
     def retire(self, indices: IntArray, leaving: BoolArray) -> None:
         for place, numbers in self._by_place(indices).items():
             self._places[place].retire(numbers, leaving[self._rows_of(place)])
@@ -228,10 +235,20 @@ class SimulationFleet(Fleet):
 
 
 def make_fleet(
-    world: NavigationWorld, settings: NavigationSettings, rows: BatchObservation, threads: int
+    world: NavigationWorld,
+    settings: NavigationSettings,
+    rows: BatchObservation,
+    threads: int,
+    maps: Optional[Maps],
 ) -> Fleet:
-    """The fastest fleet for a world."""
+    """The fastest fleet for a world.
+
+    Raises:
+        PluginError: with maps, a plugin of the world runs in Python at each step.
+    """
     try:
-        return BatchFleet(world, settings, rows, threads)
+        return BatchFleet(world, settings, rows, threads, maps)
     except PluginError:
+        if maps is not None:
+            raise
         return SimulationFleet(world, settings, rows, threads)

@@ -13,7 +13,6 @@ from flatland_gym.judging import judge
 from flatland_gym.navigation import Navigation, numbers_of
 from flatland_gym.rewards import Transition
 from flatland_gym.settings import NavigationSettings
-from flatland_gym.simulation_fleet import RobotSimulation
 
 Result = Tuple[Any, float, bool, bool, Dict[str, Any]]
 """Observation, reward, termination, truncation and info."""
@@ -33,7 +32,7 @@ class SingleNavigation(Navigation):
     """
 
     def __init__(self, settings: NavigationSettings) -> None:
-        super().__init__(settings, robots=1)
+        super().__init__(settings)
         self._is_judged = settings.reward is not None or settings.terminated is not None
         # Python's numbers also where NumPy's were given.
         self._goal_radius = float(settings.goal_radius)
@@ -51,9 +50,7 @@ class SingleNavigation(Navigation):
         """
         state = self.rows
         command = self._command(action)
-        fleet = self._fleet(self._world_of.item(0))
-        assert isinstance(fleet, RobotSimulation)
-        fleet.drive((0,), (command,))
+        self._fleet(self._world_of.item(0)).drive(command)
         (x, y, _), (goal_x, goal_y) = state.poses[0].tolist(), self.goals[0].tolist()
         collided = state.collided.item(0)
         # C's hypot, as NumPy's; math.hypot differs in the last bit.
@@ -75,6 +72,8 @@ class SingleNavigation(Navigation):
             "pose": state.poses[0].copy(),
             "goal": self.goals[0].copy(),
         }
+        if self._maps is not None:
+            info["map"] = self._map_of.item(0)
         truncated = not terminated and steps >= self._longest_episode
         return self.formed(self.observe()[0]), reward, terminated, truncated, info
 

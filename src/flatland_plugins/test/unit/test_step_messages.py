@@ -83,7 +83,7 @@ class BytesPublisher(Publisher):
         self.transport, self.topic = transport, topic
         self.ours, self.theirs = socket.socketpair()
         self.theirs.setblocking(False)
-        self.queue = _core.SubscriberQueue(self.ours.fileno(), 0)
+        self.queue = _core.SubscriberQueue(self.ours.fileno(), 0, 0.0)
 
     def write(self, writer, *values):
         data = writer.data(*values)

@@ -189,6 +189,24 @@ class World(metaclass=_Metaclass):
     def joint_count(self) -> int:
         """Number of joints."""
 
+class Walls(metaclass=_Metaclass):
+    """The walls of a layer, with what lidars need of them: a map for environments of a batch.
+
+    Equal ones are shared. Environments that have it keep it alive.
+
+    Args:
+        segments: shape (n, 4), x1, y1, x2, y2 [m].
+
+    Raises:
+        ValueError: they have another shape, are not finite or farther than 100 km from the origin.
+    """
+
+    def __init__(self, segments: Segments) -> None: ...
+    def __len__(self) -> int: ...
+    @property
+    def segments(self) -> Segments:
+        """The segments: a new array."""
+
 class WorldBatch(metaclass=_Metaclass):
     """Environments with the same initial world and m robots each; see world_batch.hpp.
 
@@ -273,6 +291,7 @@ class WorldBatch(metaclass=_Metaclass):
         self,
         mask: BoolArray | None,
         states: Sequence[bytes],
+        walls: Sequence[Walls | None],
         chosen: IntArray,
         steps: IntArray,
         out: tuple[Any, ...],
@@ -282,6 +301,7 @@ class WorldBatch(metaclass=_Metaclass):
         Args:
             mask: which environments, (n,); None: all.
             states: of `save_state`, here or of a world that was built in the same way.
+            walls: of the first layer in each state, as for `set_walls`.
             chosen: index of the state of each environment, (n,).
             steps: that each environment has made in its state, (n,).
             out: as for the class.
@@ -296,6 +316,14 @@ class WorldBatch(metaclass=_Metaclass):
         """Replaces the initial world of an environment, for instance by one with other walls.
 
         The new one has made no step, and has the same bodies, drives and lidars; it is copied.
+        """
+    def set_walls(self, row: int, walls: Walls | None) -> None:
+        """Lets an environment begin again with other walls in the first layer.
+
+        With None, they are those of the world. Nothing changes if it has these already.
+
+        Raises:
+            ValueError: the world has no layer, or environments begin near walls. Nothing has changed.
         """
     def seed_crowd(
         self, crowd: Crowd, keys: npt.NDArray[np.uint64], mask: BoolArray | None
@@ -737,12 +765,13 @@ class SubscriberQueue(metaclass=_Metaclass):
         socket: its file descriptor; the queue has a duplicate of it.
         limit: number of messages that wait while the socket is full; the oldest are dropped. 0 is
             any number.
+        patience: real time for which more of them may wait [s].
 
     Raises:
         RuntimeError: there is no such descriptor, or there are too many.
     """
 
-    def __init__(self, socket: int, limit: int) -> None: ...
+    def __init__(self, socket: int, limit: int, patience: float) -> None: ...
     def send(self, data: bytes) -> bool:
         """Adds a message, and sends all that wait. Returns False if the connection has failed."""
 

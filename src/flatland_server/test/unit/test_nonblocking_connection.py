@@ -39,6 +39,11 @@ class Transport:
         self._cleanup(self)
 
 
+@pytest.fixture(autouse=True)
+def patience(monkeypatch):
+    monkeypatch.setattr(nonblocking_connection, "PATIENCE", 0.0)
+
+
 @pytest.fixture
 def subscriber():
     """A subscriber's socket, and the connection to it."""
@@ -91,6 +96,18 @@ def test_a_subscriber_that_does_not_read_loses_whole_messages_and_blocks_nothing
 
     numbers = receive_numbers(theirs, messages[-1])
     assert len(numbers) < len(messages)
+
+
+def test_messages_that_have_not_waited_for_long_are_not_lost(subscriber, monkeypatch):
+    theirs, transport, _ = subscriber
+    monkeypatch.setattr(nonblocking_connection, "PATIENCE", 1000.0)
+    connection = NonblockingConnection(transport, 3)
+    messages = [bytes([i]) * 9000 for i in range(200)]
+
+    for message in messages:
+        connection.write_data(message)
+
+    assert receive_numbers(theirs, messages[-1]) == list(range(200))
 
 
 def test_a_message_larger_than_the_socket_arrives_whole(subscriber):

@@ -1,9 +1,10 @@
 """Checks of the arrays that a program passes to a batch."""
 
-from typing import Any, List, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
+from flatland_server._core import Walls
 from flatland_server.arguments import shown, whole_number
 from flatland_server.arrays import BoolArray, FloatArray, IntArray
 from flatland_server.exceptions import StateError, UsageError
@@ -106,6 +107,23 @@ def seeds_of(value: Any, count: int) -> IntArray:
     if array.dtype.kind not in "iu" or (array < 0).any() or (array > _MAX_SEED).any():
         raise UsageError(f"expected seeds of 0 to 2^63 - 1, found {shown(array)}")
     return np.array(array, np.intp)
+
+
+def walls_of(
+    value: Mapping[int, Optional[Walls]], count: int, mask: Optional[BoolArray]
+) -> Dict[int, Optional[Walls]]:
+    """Walls of environments by their indices.
+
+    Raises:
+        UsageError: there is no such environment, or it is not in the mask; or they are no walls.
+    """
+    for index, walls in value.items():
+        require_index(index, count)
+        if mask is not None and not mask[index]:
+            raise UsageError(f"expected walls of environments that are reset, found those of {index}")
+        if not (walls is None or isinstance(walls, Walls)):
+            raise UsageError(f"expected Walls for environment {index}, found {shown(walls)}")
+    return dict(value)
 
 
 def states_of(value: Any, count: int) -> List[bytes]:

@@ -26,6 +26,10 @@ class BatchNoise:
         self._keys = np.zeros(count, np.uint64)
         self._new: Set[int] = set(range(count))
 
+    def __bool__(self) -> bool:
+        """True if the lidar has noise."""
+        return self._make_noise is not None
+
     def restart(self, environments: Sequence[int]) -> None:
         """Makes new noise for environments with changed seeds, at the next `add`."""
         self._new.update(environments)
@@ -38,7 +42,7 @@ class BatchNoise:
         mask: Optional[BoolArray],
     ) -> None:
         """Adds the noise at times [ns] to ranges (n, beams); with a mask, only to its rows."""
-        if self._make_noise is None:
+        if not self:
             return
         self._make(seeds)
         first = self._noises[0]
@@ -59,7 +63,7 @@ class BatchNoise:
         mask: Optional[BoolArray],
     ) -> None:
         """Adds the noise of one of several robots: to `ranges[:, index]`; with a mask (n, m)."""
-        if self._make_noise is not None:
+        if self:
             own = np.ascontiguousarray(ranges[:, index])
             chosen = None if mask is None else np.ascontiguousarray(mask[:, index])
             self.add(own, seeds, nanoseconds, chosen)

@@ -1,6 +1,6 @@
 """The effects of plugins in a batch: worlds that they change at random, bodies that they move."""
 
-from typing import Any, Callable, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -9,7 +9,8 @@ from flatland2d.batch.motions import BatchMotions
 from flatland2d.batch.robot import PluginRole
 from flatland2d.batch.worlds import BatchWorlds
 from flatland_server import _core
-from flatland_server.arrays import BoolArray, FloatArray, IntArray
+from flatland_server.arrays import BoolArray, FloatArray, IntArray, Segments
+from flatland_server.exceptions import UsageError
 from flatland_server.simulation.plugin_state import PluginState
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import WorldConfig
@@ -26,6 +27,9 @@ class BatchPlugins:
         step_nanoseconds: length of a step.
         open: loads the world with another seed.
         origin: the state in which environments begin; None: that of the world's files.
+
+    Attributes:
+        own_walls: of environments with other walls in the first layer than the world's.
     """
 
     def __init__(
@@ -45,6 +49,7 @@ class BatchPlugins:
         self._worlds = BatchWorlds([] if origin else roles, count, open, is_random)
         self._crowds = BatchCrowds([] if origin else roles, count)
         self._motions = BatchMotions(roles, count, step_nanoseconds)
+        self.own_walls: Dict[int, Optional[_core.Walls]] = {}
 
     def load(
         self,
@@ -75,9 +80,32 @@ class BatchPlugins:
         every = list(range(self._count)) if chosen is None else np.flatnonzero(chosen).tolist()
         self._crowds.begin(core, every, seeds)
         for k in every if self._motions else ():
-            self._motions.begin(k, int(seeds[k]), self._worlds.walls(k))
+            self._motions.begin(k, int(seeds[k]), self._walls(k))
             if self._origin is not None:
                 self._motions.set_states(k, self._origin.plugins, self._origin.nanoseconds)
+
+    def set_walls(self, core: _core.WorldBatch, walls: Mapping[int, Optional[_core.Walls]]) -> None:
+        """Lets environments begin again with other walls in the first layer.
+
+        Raises:
+            UsageError: the world cannot have others. Nothing has changed.
+        """
+        if self._worlds:
+            raise UsageError("expected no walls for a world whose parts depend on the seed")
+        try:
+            for k, own in walls.items():
+                core.set_walls(k, own)
+        except ValueError as error:
+            raise UsageError(f"the walls cannot be replaced: {error}") from None
+        self.own_walls.update(walls)
+
+    def _walls(self, environment: int) -> Optional[List[Segments]]:
+        """The walls of each layer of an environment that has others than the world."""
+        own = self.own_walls.get(environment)
+        if own is None:
+            return self._worlds.walls(environment)
+        rest = self._config.layers[1:]
+        return [own.segments, *(self._config.walls_of(layer) for layer in rest)]
 
     def states(self, environment: int) -> List[PluginState]:
         """The states of those plugins that act in an environment."""
@@ -90,7 +118,7 @@ class BatchPlugins:
             StateError: they do not fit.
         """
         if self._motions:
-            self._motions.begin(environment, state.seed, self._worlds.walls(environment))
+            self._motions.begin(environment, state.seed, self._walls(environment))
             self._motions.set_states(environment, state.plugins, state.nanoseconds)
 
     def step(

@@ -2,7 +2,7 @@
 
 import os
 from dataclasses import replace
-from typing import Any, List, Mapping, NoReturn, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, List, Mapping, NoReturn, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from flatland2d.batch.arguments import (
     seeds_of,
     states_of,
     steps_of,
+    walls_of,
 )
 from flatland2d.batch.free_spaces import FreeSpaces
 from flatland2d.batch.noise import BatchNoise
@@ -27,6 +28,7 @@ from flatland2d.robot import find_robot
 from flatland2d.simulation import Simulation
 from flatland2d.world_source import WorldSource, exported_plugins, open_world
 from flatland_server import _core
+from flatland_server._core import Walls
 from flatland_server.arguments import (
     folders_of,
     params_of,
@@ -282,6 +284,33 @@ class SimulationBatch:
         self._finish(observation, chosen, driven, is_new=out is None)
         return observation
 
+    def stepper(self, substeps: int, out: BatchObservation) -> Callable[[FloatArray], None]:
+        """A function that does what `step` does with all robots, without its checks.
+
+        A step of one environment takes the core as long as these checks take Python.
+
+        Args:
+            substeps: as for `step`.
+            out: arrays that each call writes to, except for the times.
+
+        Returns:
+            A function of finite commands, shape (robots of all environments, k) of float64.
+
+        Raises:
+            UsageError: `out` does not fit, or the batch is closed.
+        """
+        core, plugins = self._require_open(), self._plugins
+        arrays = self._arrays(self._rows(out))
+        has_noise = any(self._noises)
+
+        def step(commands: FloatArray) -> None:
+            plugins.load(core, None, self._seeds, self._steps)
+            plugins.step(core, None, None, commands, substeps, self._steps, arrays)
+            if has_noise:
+                self._add_noise(out, None, None)
+
+        return step
+
     def reset(
         self,
         mask: Optional[ArrayLike] = None,
@@ -289,6 +318,7 @@ class SimulationBatch:
         poses: Optional[ArrayLike] = None,
         out: Optional[BatchObservation] = None,
         model_poses: Optional[ArrayLike] = None,
+        walls: Mapping[int, Optional[Walls]] = {},
     ) -> BatchObservation:
         """Puts environments back to the beginning of the world, at time 0, and observes.
 
@@ -303,12 +333,16 @@ class SimulationBatch:
                 are reset. By default new arrays, with all rows.
             model_poses: shape (n, m, 3): where the m models of `moved` are put after that; None: as
                 in the world file.
+            walls: maps of environments that are reset, by their indices: from now on, these walls
+                are in the place of those of the world's first layer; None: those of the world. Many
+                environments may have the same one.
 
         Returns:
             `out`, or new arrays.
 
         Raises:
-            UsageError: an argument has a wrong shape or value, or the batch is closed. Nothing has
+            UsageError: an argument has a wrong shape or value, the world has no layer, or
+                environments begin in a state near walls, or the batch is closed. Nothing has
                 changed.
         """
         core = self._require_open()
@@ -322,6 +356,8 @@ class SimulationBatch:
         new_seeds = None if seeds is None else seeds_of(seeds, self._num_envs)
         observation = self._rows(out)
         seeds_now = self._seeds if new_seeds is None else new_seeds
+        if walls:
+            self._plugins.set_walls(core, walls_of(walls, self._num_envs, chosen))
         self._plugins.load(core, chosen, seeds_now, self._steps)
         core.reset(chosen, placed, self._arrays(observation), others)
         self._change_seeds(new_seeds, chosen)
@@ -381,7 +417,8 @@ class SimulationBatch:
         poses, velocities = core.motions(self._view.bodies, chosen)
         nanoseconds = int(self._steps[index]) * self._step_nanoseconds
         seed = int(self._seeds[index])
-        return self._view.show(seed, nanoseconds, poses[index], velocities[index])
+        own = self._plugins.own_walls.get(index)
+        return self._view.show(seed, nanoseconds, poses[index], velocities[index], own)
 
     @property
     def models(self) -> Tuple[str, ...]:
@@ -433,6 +470,7 @@ class SimulationBatch:
         chosen = None if mask is None else mask_of(mask, self._num_envs)
         self._plugins.load(core, chosen, self._seeds, self._steps)
         parts, every = self._own_parts(), range(self._num_envs)
+        own = self._plugins.own_walls
         return [
             replace(
                 parts,
@@ -440,6 +478,7 @@ class SimulationBatch:
                 nanoseconds=int(self._steps[k]) * self._step_nanoseconds,
                 plugins=self._plugins.states(k),
                 physics=core.save_state(k),
+                own_walls=None if own.get(k) is None else own[k].segments,
                 is_of_batch=True,
             ).dumps()
             for k in (every if chosen is None else np.flatnonzero(chosen).tolist())
@@ -488,9 +527,11 @@ class SimulationBatch:
         self._plugins.load(core, chosen, seeds, self._steps)
         physics, arrays = [each.physics for each in saved.values()], self._arrays(observation)
         try:
-            core.load_states(chosen, physics, numbers, steps, arrays)
+            walls = [None if s.own_walls is None else Walls(s.own_walls) for s in saved.values()]
+            core.load_states(chosen, physics, walls, numbers, steps, arrays)
         except ValueError as error:
             raise StateError(f"the state cannot be loaded: {error}") from None
+        self._plugins.own_walls.update((k, walls[numbers[k]]) for k in indices.tolist())
         for noise in self._noises:
             noise.restart(np.flatnonzero(seeds != self._seeds).tolist())
         self._seeds = seeds
@@ -649,11 +690,15 @@ class SimulationBatch:
         if is_new and driven is not None and not driven.all():
             self._observe(rows)
             return
+        where = True if mask is None else mask
+        np.multiply(self._steps * self._step_nanoseconds, 1e-9, out=rows.times, where=where)
+        if any(self._noises):
+            self._add_noise(rows, mask, driven)
+
+    def _add_noise(
+        self, rows: BatchObservation, mask: Optional[BoolArray], driven: Optional[BoolArray]
+    ) -> None:
         nanoseconds = self._steps * self._step_nanoseconds
-        if mask is None:
-            np.multiply(nanoseconds, 1e-9, out=rows.times)
-        else:
-            np.multiply(nanoseconds, 1e-9, out=rows.times, where=mask)
         if len(self._noises) == 1:
             ranges = rows.ranges.reshape(self._num_envs, -1)
             self._noises[0].add(ranges, self._seeds, nanoseconds, mask)

@@ -34,6 +34,7 @@ class BatchView:
         self._loader = loader
         self._origin = origin
         self._simulation: Optional[Simulation] = None
+        self._walls: Optional[_core.Walls] = None  # of it, in place of the world's
 
     @property
     def bodies(self) -> List[_core.Body]:
@@ -41,12 +42,21 @@ class BatchView:
         return _bodies_of(self._world)
 
     def show(
-        self, seed: int, nanoseconds: int, poses: FloatArray, velocities: FloatArray
+        self,
+        seed: int,
+        nanoseconds: int,
+        poses: FloatArray,
+        velocities: FloatArray,
+        walls: Optional[_core.Walls],
     ) -> Simulation:
         """The simulation with a seed, at a time, with its bodies at these poses (n, 3)."""
+        if walls is not self._walls:
+            self.close()
+            self._simulation, self._walls = None, walls
         if self._simulation is None:
+            config = self._world.config
             self._simulation = Simulation(
-                self._world.config,
+                config if walls is None else config.with_walls(walls.segments),
                 seed=seed,
                 step_size=self._step_size,
                 params=self._params,

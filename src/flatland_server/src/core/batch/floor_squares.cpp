@@ -85,15 +85,21 @@ void MarkConnected(const bool* free, int64_t rows, int64_t columns, int64_t star
 }
 
 FloorSquares::FloorSquares(const bool* squares, int rows, int columns, Vec2 corner, double side)
-    : is_one_(squares, squares + int64_t{rows} * columns),
-      rows_(rows),
+    : rows_(rows),
       columns_(columns),
+      words_((columns + kWord - 1) / kWord),
+      bits_(int64_t{rows} * words_),
+      before_{0},
       corner_(corner),
       side_(side) {
   for (int row = 0; row < rows; ++row) {
+    uint32_t count = before_.back();
     for (int column = 0; column < columns; ++column) {
-      if (*squares++) squares_.push_back({column, row});
+      if (!*squares++) continue;
+      bits_[int64_t{row} * words_ + column / kWord] |= uint64_t{1} << (column % kWord);
+      ++count;
     }
+    before_.push_back(count);
   }
 }
 
@@ -101,14 +107,26 @@ bool FloorSquares::Contains(Vec2 point) const {
   const double column = std::floor((point.x - corner_.x) / side_);
   const double row = std::floor((point.y - corner_.y) / side_);
   return row >= 0.0 && row < rows_ && column >= 0.0 && column < columns_ &&
-         is_one_[static_cast<size_t>(row) * columns_ + static_cast<size_t>(column)];
+         IsOne(static_cast<int>(row), static_cast<int>(column));
 }
 
 Vec2 FloorSquares::Draw(const NumberSource& numbers) const {
-  const Square square = squares_[DrawBelow(static_cast<uint32_t>(size()), numbers)];
+  const uint32_t number = DrawBelow(static_cast<uint32_t>(size()), numbers);
+  const auto after = std::upper_bound(before_.begin(), before_.end(), number);
+  const auto row = after - before_.begin() - 1;
+  const uint64_t* word = bits_.data() + row * words_;
+  int column = 0;
+  uint32_t rest = number - before_[row];
+  for (uint32_t count; (count = __builtin_popcountll(*word)) <= rest; ++word) {
+    rest -= count;
+    column += kWord;
+  }
+  uint64_t bits = *word;
+  for (; rest > 0; --rest) bits &= bits - 1;
+  column += __builtin_ctzll(bits);
   const double along_x = numbers.Draw(), along_y = numbers.Draw();
-  return {corner_.x + (static_cast<double>(square.column) + along_x) * side_,
-          corner_.y + (static_cast<double>(square.row) + along_y) * side_};
+  return {corner_.x + (static_cast<double>(column) + along_x) * side_,
+          corner_.y + (static_cast<double>(row) + along_y) * side_};
 }
 
 std::vector<std::optional<Pose>> FloorSquares::DrawClear(const NumberSource& numbers,

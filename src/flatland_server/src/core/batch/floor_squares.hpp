@@ -61,7 +61,7 @@ class FloorSquares {
   /// a square [m].
   FloorSquares(const bool* squares, int rows, int columns, Vec2 corner, double side);
 
-  size_t size() const { return squares_.size(); }
+  size_t size() const { return before_.back(); }
   bool Contains(Vec2 point) const;
   /// A point in one of the squares, of which there must be one.
   Vec2 Draw(const NumberSource& numbers) const;
@@ -77,13 +77,16 @@ class FloorSquares {
                                int tries) const;
 
  private:
-  struct Square {
-    int column, row;
-  };
+  static constexpr int kWord = 64;  // bits
 
-  std::vector<bool> is_one_;  // of all squares, row by row
+  bool IsOne(int row, int column) const {
+    return (bits_[int64_t{row} * words_ + column / kWord] >> (column % kWord) & 1) != 0;
+  }
+
   int rows_, columns_;
-  std::vector<Square> squares_;
+  int words_;                     // of a row
+  std::vector<uint64_t> bits_;    // a map may have many floors: a bit a square
+  std::vector<uint32_t> before_;  // the number of squares before each row, and of all
   Vec2 corner_;
   double side_;
 };

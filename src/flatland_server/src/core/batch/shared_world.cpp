@@ -5,6 +5,7 @@
 #include <functional>
 #include <utility>
 
+#include "base/box2d_limits.hpp"
 #include "world/box2d_internals.hpp"
 #include "world/layers.hpp"
 
@@ -86,11 +87,20 @@ void SharedWorld::JoinRanges() {
   ranges_ = std::move(joined);
 }
 
-std::unique_ptr<SharedState> SharedWorld::MakeState() {
+std::unique_ptr<SharedState> SharedWorld::MakeState(SharedState::Walls walls) {
+  const auto& layers = world_->layers_->nearby();
+  if (walls != nullptr) {
+    Require(!layers.empty(), "the world has no layer");
+    const bool is_at_beginning = std::all_of(
+        layers.begin(), layers.end(), [](const auto& each) { return each->IsAtBeginning(); });
+    Require(is_at_beginning && beginning_.IsApartFromWalls(),
+            "environments begin with bodies near walls");
+  }
   auto state = std::make_unique<SharedState>();
   state->bytes_ = empty_;
-  state->held_.resize(world_->layers_->nearby().size());
+  state->held_.resize(layers.size());
   state->nearby_.resize(world_->bodies_.Moving().size());
+  state->walls_ = std::move(walls);
   beginning_.Restore(Entered(*this, *state).world());
   return state;
 }
@@ -114,6 +124,7 @@ void SharedWorld::ExchangeOwn(SharedState& state) {
   std::swap_ranges(present, present + sizeof(b2BroadPhase), BytesOf(&state.broad_phase_));
   auto held = state.held_.begin();
   for (const auto& each : world_->layers_->nearby()) each->Exchange(*held++);
+  if (state.walls_ != nullptr) world_->layers_->ExchangeFirst(state.walls_);
   auto nearby = state.nearby_.begin();
   for (BodyRecord* const record : world_->bodies_.Moving()) std::swap(record->nearby, *nearby++);
 }

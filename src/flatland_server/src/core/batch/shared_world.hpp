@@ -13,6 +13,8 @@
 /// - What a state alone has, because Box2D made it in this state, stays where it is: contacts, the
 ///   walls near bodies, and the tree of bounding boxes. Only the pointers to it are exchanged.
 ///
+/// - Walls belong to the world, or to a state that has others in the first layer: a map of its own.
+///
 /// So a state makes, bit for bit, the steps that a World of its own makes.
 
 #include <cstddef>
@@ -22,6 +24,7 @@
 #include <vector>
 
 #include "base/prefetch.hpp"
+#include "sight/visible_walls.hpp"
 #include "world/nearby_walls.hpp"
 #include "world/world.hpp"
 #include "world/world_state.hpp"
@@ -30,12 +33,18 @@ namespace flatland {
 
 /// The part of a SharedWorld that each environment has for itself.
 class SharedState {
+ public:
+  using Walls = std::shared_ptr<const VisibleWalls>;
+
+  const Walls& walls() const { return walls_; }
+
  private:
   friend class SharedWorld;
   std::vector<std::byte> bytes_;            // of the ranges, one after the other
   b2BroadPhase broad_phase_;                // with the tree of bounding boxes
   std::vector<NearbyWalls::Held> held_;     // of each layer
   std::vector<BodyRecord::Nearby> nearby_;  // of each body that may move
+  Walls walls_;                             // of the first layer, or null: those of the world
 };
 
 class SharedWorld {
@@ -44,8 +53,9 @@ class SharedWorld {
   /// any more. Of static bodies, only `moved` may be moved.
   explicit SharedWorld(std::unique_ptr<World> world, const std::vector<World::Body>& moved = {});
 
-  /// A new state: that of the world at the beginning. To be destroyed before the SharedWorld.
-  std::unique_ptr<SharedState> MakeState();
+  /// A new state: that of the world at the beginning, perhaps with other walls in its first layer.
+  /// To be destroyed before the SharedWorld. Throws std::invalid_argument if these cannot be others.
+  std::unique_ptr<SharedState> MakeState(SharedState::Walls walls = nullptr);
   /// Tells the processor to fetch what a state consists of from memory, while it does something
   /// else: first where its arrays are, then the ranges, and then what these refer to.
   static void Prefetch(SharedState& state, int distance);

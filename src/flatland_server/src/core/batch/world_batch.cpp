@@ -203,6 +203,7 @@ std::string WorldBatch::SaveState(int row) {
 }
 
 void WorldBatch::LoadStates(const bool* mask, const std::vector<std::string_view>& states,
+                            const std::vector<std::shared_ptr<const VisibleWalls>>& walls,
                             const int64_t* chosen, const int64_t* steps, const BatchRows& rows) {
   /// A state as environments of a world read it, and the first of them.
   struct Read {
@@ -211,17 +212,23 @@ void WorldBatch::LoadStates(const bool* mask, const std::vector<std::string_view
   };
   std::map<std::pair<const SharedWorld*, int64_t>, Read> read;
   std::vector<const Read*> of(count());
-  for (int row = 0; row < count(); ++row) {  // all that may fail comes first
+  std::vector<std::unique_ptr<SharedState>> others(count());  // with other walls than now
+  for (int row = 0; row < count(); ++row) {                   // all that may fail comes first
     if (mask != nullptr && !mask[row]) continue;
     const int64_t index = chosen[row];
     Require(index >= 0 && index < static_cast<int64_t>(states.size()), "there is no such state");
     const auto& [shared, state, _] = environments_[row];
+    if (state->walls() != walls[index]) others[row] = shared->MakeState(walls[index]);
     const std::pair key(shared.get(), index);
     auto found = read.find(key);
     if (found == read.end()) {
-      found = read.insert({key, {shared->Read(states[index], *state), row}}).first;
+      SharedState& reading = others[row] != nullptr ? *others[row] : *state;
+      found = read.insert({key, {shared->Read(states[index], reading), row}}).first;
     }
     of[row] = &found->second;
+  }
+  for (int row = 0; row < count(); ++row) {
+    if (others[row] != nullptr) environments_[row].state = std::move(others[row]);
   }
   ForEach(mask, 1, [&](World& world, Environment& environment, int row) {
     of[row]->state.Restore(world);
@@ -242,9 +249,20 @@ void WorldBatch::Observe(const BatchRows& rows) {
 void WorldBatch::Replace(int row, const World& world) {
   Require(row >= 0 && row < count(), "there is no such environment");
   const auto own = std::make_shared<SharedWorld>(world.Copy(), moved_);
-  environments_[row] = {own, own->MakeState(), 0};
+  Begin(row, {own, own->MakeState(), 0});
+}
+
+void WorldBatch::SetWalls(int row, std::shared_ptr<const VisibleWalls> walls) {
+  Require(row >= 0 && row < count(), "there is no such environment");
+  const auto& [shared, state, steps] = environments_[row];
+  if (state->walls() != walls) Begin(row, {shared, shared->MakeState(std::move(walls)), 0});
+}
+
+void WorldBatch::Begin(int row, Environment environment) {
+  environments_[row] = std::move(environment);
   const int64_t first = int64_t{row} * robot_count();
   std::fill_n(collided_.begin() + first, robot_count(), false);
+  std::fill_n(seen_.begin() + first, robot_count(), SeenWalls{});
 }
 
 void WorldBatch::SeedCrowd(const bool* mask, World::CrowdHandle crowd, const uint64_t* keys) {

@@ -50,6 +50,7 @@ struct BatchRows {
 };
 
 class SharedState;
+class VisibleWalls;
 class SharedWorld;
 
 class WorldBatch {
@@ -101,13 +102,18 @@ class WorldBatch {
   /// step, and in which the same handles name the same things, such as the same world with other
   /// walls. It is not shared with other environments. Its row is not written.
   void Replace(int row, const World& world);
+  /// Lets an environment begin again with other walls in the first layer, or with those of the world
+  /// (null). Its row is not written. Throws std::invalid_argument, and changes nothing, in a world
+  /// without a layer, or where environments begin near walls.
+  void SetWalls(int row, std::shared_ptr<const VisibleWalls> walls);
   /// The state of an environment, as World::SaveState makes it of one that is equal.
   std::string SaveState(int row);
   /// Puts each environment that `mask` chooses (null: all) into one of some saved states, that with
-  /// the index in `chosen` (count), after as many steps as there are in `steps` (count), and writes
-  /// its row. Throws std::invalid_argument, and changes nothing, if a state is damaged, or of
+  /// the index in `chosen` (count), after as many steps as there are in `steps` (count), with the
+  /// walls of the state (`walls`, see SetWalls), and writes its row. Throws std::invalid_argument, and changes nothing, if a state is damaged, or of
   /// another world.
   void LoadStates(const bool* mask, const std::vector<std::string_view>& states,
+                  const std::vector<std::shared_ptr<const VisibleWalls>>& walls,
                   const int64_t* chosen, const int64_t* steps, const BatchRows& rows);
   /// Writes all rows; `collided` as in the last row.
   void Observe(const BatchRows& rows);
@@ -132,6 +138,8 @@ class WorldBatch {
     int64_t steps = 0;
   };
 
+  /// Puts another environment in place of one, of which nothing is known yet.
+  void Begin(int row, Environment environment);
   /// Calls `visit(world, environment, row)`, with the world in the environment's state, for the
   /// environments for which `mask` (null: all) has a true among their `width` values, on all
   /// threads, each of which has a world and some of the environments.

@@ -43,14 +43,8 @@ const NumberSource& SourceOf(const py::object& generator) {
 
 void Lower(Numbers squares, const Numbers& walls, double reach, std::array<double, 2> corner,
            double side) {
-  if (squares.ndim() != 2 || walls.ndim() != 2 || walls.shape(1) != 4) {
-    throw std::invalid_argument("expected squares (rows, columns), and walls (n, 4)");
-  }
-  const double* const ends = walls.data();
-  std::vector<Segment> segments;
-  for (const double* end = ends; end != ends + walls.size(); end += 4) {
-    segments.push_back({{end[0], end[1]}, {end[2], end[3]}});
-  }
+  if (squares.ndim() != 2) throw std::invalid_argument("expected squares (rows, columns)");
+  const std::vector<Segment> segments = ToSegments(walls);
   double* const numbers = squares.mutable_data();
   const int64_t rows = squares.shape(0), columns = squares.shape(1);
   const py::gil_scoped_release release;

@@ -35,15 +35,7 @@ Array<float> Observe(const GoalObserver& self, const Array<float>& ranges,
 }
 
 LinesOfSight MakeLines(const Array<double>& walls) {
-  if (walls.ndim() != 2 || walls.shape(1) != 4) {
-    throw std::invalid_argument("expected walls (n, 4)");
-  }
-  std::vector<Segment> segments;
-  const double* const ends = walls.data();
-  for (const double* end = ends; end != ends + walls.size(); end += 4) {
-    segments.push_back({{end[0], end[1]}, {end[2], end[3]}});
-  }
-  return LinesOfSight(std::move(segments));
+  return LinesOfSight(ToSegments(walls));
 }
 
 Array<bool> AreBlocked(const LinesOfSight& self, const Array<double>& lines) {

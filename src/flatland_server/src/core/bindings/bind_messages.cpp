@@ -210,7 +210,10 @@ bool IsDue(Outbox& outbox) { return outbox.IsDue(); }
 void BindQueues(py::module_& m) {
   using Queue = SubscriberQueue;
   py::class_<Queue, std::shared_ptr<Queue>>(m, "SubscriberQueue")
-      .def(py::init<int, std::size_t>(), py::arg("socket"), py::arg("limit"))
+      .def(py::init([](int socket, std::size_t limit, double patience) {
+             return std::make_shared<Queue>(socket, limit, Queue::Seconds(patience));
+           }),
+           py::arg("socket"), py::arg("limit"), py::arg("patience"))
       .def(
           "send",
           [](Queue& self, std::string data) {

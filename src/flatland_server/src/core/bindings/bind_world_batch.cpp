@@ -4,12 +4,26 @@
 
 #include "batch/world_batch.hpp"
 #include "bindings/bindings.hpp"
+#include "sight/visible_walls.hpp"
+#include "world/layers.hpp"
 
 namespace flatland {
 namespace {
 
 template <class T>
 using Array = py::array_t<T, py::array::c_style>;
+
+/// The walls of a layer, with what lidars need of them.
+struct PyWalls {
+  std::shared_ptr<const VisibleWalls> walls;
+};
+
+PyWalls MakeWalls(const Array<double>& segments) {
+  std::vector<Segment> converted = ToSegments(segments);
+  RequireWalls(converted);
+  const py::gil_scoped_release release;
+  return {VisibleWalls::Share(std::move(converted))};
+}
 
 /// A batch, and the mark that a call is in progress while the GIL is released.
 struct PyWorldBatch {
@@ -113,7 +127,8 @@ void MoveRobots(PyWorldBatch& self, const Array<double>& poses,
 }
 
 void LoadStates(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
-                const std::vector<py::bytes>& states, const Array<int64_t>& chosen,
+                const std::vector<py::bytes>& states,
+                const std::vector<std::optional<PyWalls>>& walls, const Array<int64_t>& chosen,
                 const Array<int64_t>& steps, const py::tuple& out) {
   if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
   RequireShape(chosen, "chosen", self.batch.count(), 0);
@@ -121,9 +136,13 @@ void LoadStates(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
   const BatchRows rows = ToRows(self.batch, out);
   std::vector<std::string_view> views;
   for (const py::bytes& state : states) views.push_back(state);
+  if (walls.size() != states.size()) throw std::invalid_argument("expected walls for each state");
+  std::vector<std::shared_ptr<const VisibleWalls>> of_states;
+  for (const auto& each : walls) of_states.push_back(each ? each->walls : nullptr);
   const Use use(self);
   const py::gil_scoped_release release;
-  self.batch.LoadStates(mask ? mask->data() : nullptr, views, chosen.data(), steps.data(), rows);
+  self.batch.LoadStates(mask ? mask->data() : nullptr, views, of_states, chosen.data(),
+                        steps.data(), rows);
 }
 
 void Observe(PyWorldBatch& self, const py::tuple& out) {
@@ -217,6 +236,15 @@ std::vector<BatchModel> ToModels(
 }  // namespace
 
 void BindWorldBatch(py::module_& m) {
+  py::class_<PyWalls>(m, "Walls")
+      .def(py::init(&MakeWalls), py::arg("segments"))
+      .def("__len__", [](const PyWalls& self) { return self.walls->all().segment_count(); })
+      .def_property_readonly("segments", [](const PyWalls& self) {
+        const std::vector<Segment>& segments = self.walls->all().segments();
+        Array<double> rows({static_cast<py::ssize_t>(segments.size()), py::ssize_t{4}});
+        if (!segments.empty()) std::memcpy(rows.mutable_data(), segments.data(), rows.nbytes());
+        return rows;
+      });
   py::class_<PyWorldBatch>(m, "WorldBatch")
       .def(
           py::init(
@@ -248,7 +276,7 @@ void BindWorldBatch(py::module_& m) {
           },
           py::arg("row"))
       .def("load_states", &LoadStates, py::arg("mask").noconvert().none(true), py::arg("states"),
-           py::arg("chosen").noconvert(), py::arg("steps").noconvert(), py::arg("out"))
+           py::arg("walls"), py::arg("chosen").noconvert(), py::arg("steps").noconvert(), py::arg("out"))
       .def("observe", &Observe, py::arg("out"))
       .def(
           "replace",
@@ -257,6 +285,13 @@ void BindWorldBatch(py::module_& m) {
             self.batch.Replace(row, *world.world);
           },
           py::arg("row"), py::arg("world"))
+      .def(
+          "set_walls",
+          [](PyWorldBatch& self, int row, const std::optional<PyWalls>& walls) {
+            const Use use(self);
+            self.batch.SetWalls(row, walls ? walls->walls : nullptr);
+          },
+          py::arg("row"), py::arg("walls"))
       .def("seed_crowd", &SeedCrowd, py::arg("crowd"), py::arg("keys").noconvert(),
            py::arg("mask").noconvert().none(true))
       .def("motions", &GetMotions, py::arg("bodies"), py::arg("mask").noconvert().none(true))

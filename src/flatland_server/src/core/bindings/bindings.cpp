@@ -12,19 +12,6 @@
 namespace flatland {
 namespace {
 
-using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
-
-std::vector<Segment> ToSegments(const Doubles& rows) {
-  if (rows.ndim() != 2 || rows.shape(1) != 4) {
-    throw std::invalid_argument("segments must be an array of shape (n, 4): x1, y1, x2, y2");
-  }
-  static_assert(sizeof(Segment) == 4 * sizeof(double));
-  std::vector<Segment> segments(rows.shape(0));
-  if (!segments.empty())
-    std::memcpy(static_cast<void*>(segments.data()), rows.data(), rows.nbytes());
-  return segments;
-}
-
 void Step(PyWorld& self, double dt) {
   {
     const World::AccessGuard guard(*self.world);
@@ -110,6 +97,17 @@ void BindWorld(py::module_& m) {
 }
 
 }  // namespace
+
+std::vector<Segment> ToSegments(const Doubles& rows) {
+  if (rows.ndim() != 2 || rows.shape(1) != 4) {
+    throw std::invalid_argument("expected segments of shape (n, 4): x1, y1, x2, y2");
+  }
+  static_assert(sizeof(Segment) == 4 * sizeof(double));
+  std::vector<Segment> segments(rows.shape(0));
+  if (!segments.empty())
+    std::memcpy(static_cast<void*>(segments.data()), rows.data(), rows.nbytes());
+  return segments;
+}
 
 #if PYBIND11_VERSION_MAJOR > 2 || PYBIND11_VERSION_MINOR >= 12
 constexpr bool kSupportsNumPy2 = true;

@@ -22,6 +22,10 @@ namespace py = pybind11;
 using Pair = std::pair<double, double>;
 using Triple = std::tuple<double, double, double>;
 
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+/// Segments out of an array (n, 4): x1, y1, x2, y2 [m].
+std::vector<Segment> ToSegments(const Doubles& rows);
 b2BodyType ToBodyType(const std::string& name);
 inline Vec2 ToVec2(const Pair& pair) { return {pair.first, pair.second}; }
 inline Pose ToPose(const Triple& t) { return {std::get<0>(t), std::get<1>(t), std::get<2>(t)}; }

@@ -20,23 +20,23 @@ constexpr std::size_t kMostPieces = 256;  // in one call; Linux takes 1,024
 
 }  // namespace
 
-SubscriberQueue::SubscriberQueue(int socket, std::size_t limit)
-    : socket_(fcntl(socket, F_DUPFD_CLOEXEC, 0)), limit_(limit) {
+SubscriberQueue::SubscriberQueue(int socket, std::size_t limit, Seconds patience)
+    : socket_(fcntl(socket, F_DUPFD_CLOEXEC, 0)), limit_(limit), patience_(patience) {
   if (socket_ < 0) throw std::system_error(errno, std::generic_category(), "a subscriber's socket");
 }
 
 std::size_t SubscriberQueue::Add(std::string framed) {
   const std::lock_guard lock(mutex_);
   if (status_.error != 0) return 0;
-  messages_.push_back(std::move(framed));
+  messages_.push_back({std::move(framed)});
   return ++held_;
 }
 
 bool SubscriberQueue::Send() {
   const std::lock_guard lock(mutex_);
-  held_ = 0;
+  const std::size_t fresh = std::exchange(held_, 0);
   if (!waits_for_room_) SendMessages();
-  DropOldest();
+  if (!messages_.empty()) DropOldest(std::min(fresh, messages_.size()));
   return status_.error == 0;
 }
 
@@ -44,8 +44,12 @@ void SubscriberQueue::SendMessages() {
   std::array<iovec, kMostPieces> pieces{};
   while (!messages_.empty()) {
     const std::size_t count = std::min(messages_.size(), pieces.size());
-    for (std::size_t i = 0; i < count; ++i) pieces[i] = {messages_[i].data(), messages_[i].size()};
-    pieces[0] = {messages_[0].data() + sent_, messages_[0].size() - sent_};
+    for (std::size_t i = 0; i < count; ++i) {
+      std::string& bytes = messages_[i].bytes;
+      pieces[i] = {bytes.data(), bytes.size()};
+    }
+    std::string& first = messages_[0].bytes;
+    pieces[0] = {first.data() + sent_, first.size() - sent_};
     msghdr header{};
     header.msg_iov = pieces.data();
     header.msg_iovlen = count;
@@ -58,19 +62,27 @@ void SubscriberQueue::SendMessages() {
     }
     status_.bytes += static_cast<uint64_t>(result);
     sent_ += static_cast<std::size_t>(result);
-    while (!messages_.empty() && sent_ >= messages_.front().size()) {
-      sent_ -= messages_.front().size();
+    while (!messages_.empty() && sent_ >= messages_.front().bytes.size()) {
+      sent_ -= messages_.front().bytes.size();
       messages_.pop_front();
       ++status_.messages;
     }
   }
 }
 
-void SubscriberQueue::DropOldest() {
+void SubscriberQueue::DropOldest(std::size_t fresh) {
+  const Clock::time_point now = Clock::now();
+  for (auto each = messages_.end() - static_cast<std::ptrdiff_t>(fresh); each != messages_.end();
+       ++each) {
+    each->left = now;
+  }
   const std::size_t begin = sent_ > 0 ? 1 : 0;  // a message is sent as a whole
   if (limit_ == 0 || messages_.size() <= begin + limit_) return;
-  messages_.erase(messages_.begin() + static_cast<std::ptrdiff_t>(begin),
-                  messages_.end() - static_cast<std::ptrdiff_t>(limit_));
+  const auto first = messages_.begin() + static_cast<std::ptrdiff_t>(begin);
+  const auto kept = messages_.end() - static_cast<std::ptrdiff_t>(limit_);
+  messages_.erase(first, std::find_if(first, kept, [&](const Message& message) {
+                    return now - message.left < patience_;
+                  }));
 }
 
 void SubscriberQueue::Fail(int error) {

@@ -8,8 +8,9 @@
 ///
 /// Method: each subscriber to a topic has a queue. A message is only added; `Outbox::Send` sends
 /// all queues that have some, each in one call of the system, as far as its socket takes them
-/// without waiting. What a socket does not take stays, at most `limit` messages: the oldest are
-/// dropped. One thread for all queues waits until such sockets have room, and sends the rest. None
+/// without waiting. What a socket does not take stays: the oldest are dropped if there are more than
+/// `limit`, except those that have waited for less than `patience`: a subscriber that keeps up may
+/// need it before the system runs it again. One thread for all queues waits until such sockets have room, and sends the rest. None
 /// of this needs Python's lock.
 
 #include <chrono>
@@ -25,10 +26,13 @@ namespace flatland {
 
 class SubscriberQueue : public std::enable_shared_from_this<SubscriberQueue> {
  public:
+  using Seconds = std::chrono::duration<double>;
+
   /// @param socket  descriptor; the queue has its own, of the same connection
   /// @param limit  messages that wait while the socket is full; 0 is any number
+  /// @param patience  for which more of them may wait
   /// Throws std::system_error if there is no such descriptor, or there are too many.
-  SubscriberQueue(int socket, std::size_t limit);
+  SubscriberQueue(int socket, std::size_t limit, Seconds patience);
   ~SubscriberQueue() { Close(); }
   SubscriberQueue(const SubscriberQueue&) = delete;
   SubscriberQueue& operator=(const SubscriberQueue&) = delete;
@@ -50,25 +54,32 @@ class SubscriberQueue : public std::enable_shared_from_this<SubscriberQueue> {
 
  private:
   friend class RoomWatcher;
+  using Clock = std::chrono::steady_clock;
+
+  struct Message {
+    std::string bytes;
+    Clock::time_point left = {};  // when the socket did not take it
+  };
 
   void SendMessages();  // these need the lock
-  void DropOldest();
+  void DropOldest(std::size_t fresh);
   void Fail(int error);
 
   mutable std::mutex mutex_;
   int socket_;
   std::size_t limit_;
-  std::deque<std::string> messages_;  // not sent yet
-  std::size_t sent_ = 0;              // bytes of the first one that are sent
-  bool waits_for_room_ = false;       // the thread will send
-  std::size_t held_ = 0;              // messages since the last `Send`
+  Seconds patience_;
+  std::deque<Message> messages_;  // not sent yet
+  std::size_t sent_ = 0;          // bytes of the first one that are sent
+  bool waits_for_room_ = false;   // the thread will send
+  std::size_t held_ = 0;          // messages since the last `Send`
   Status status_;
 };
 
 /// The queues with messages that wait, in the order of their first ones.
 class Outbox {
  public:
-  using Seconds = std::chrono::duration<double>;
+  using Seconds = SubscriberQueue::Seconds;
 
   /// @param period  real time that a message is to wait at most
   /// @param most  messages of a queue that are to wait at most

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/box2d_limits.hpp"
 #include "base/to_box2d.hpp"
 #include "sight/segment_tree.hpp"
 #include "sight/visible_fixture.hpp"
@@ -44,6 +45,14 @@ bool MayReachWalls(const BodyRecord& record) {
 
 }  // namespace
 
+void RequireWalls(const std::vector<Segment>& walls) {
+  for (const Segment& wall : walls) {
+    RequirePosition(wall.a);
+    RequirePosition(wall.b);
+    Require(wall.a.x != wall.b.x || wall.a.y != wall.b.y, "a wall's ends must not be one point");
+  }
+}
+
 void Layers::CopyFrom(const Layers& other) {
   all_ = other.all_;
   for (const auto& each : other.nearby_) nearby_.push_back(std::make_unique<NearbyWalls>(*each));
@@ -64,6 +73,12 @@ Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits b
       std::shared_ptr<const SegmentTree>(visible, &visible->all()), bits, handle.index));
   bodies_.ForEach([](auto, BodyRecord& each) { each.nearby.is_current = false; });
   return handle;
+}
+
+void Layers::ExchangeFirst(std::shared_ptr<const VisibleWalls>& walls) {
+  const auto& present = all_.front().visible;
+  all_.front().visible.swap(walls);
+  nearby_.front()->Replace(std::shared_ptr<const SegmentTree>(present, &present->all()));
 }
 
 int Layers::held_body_count() const {

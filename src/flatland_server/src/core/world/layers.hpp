@@ -22,6 +22,9 @@
 
 namespace flatland {
 
+/// Throws std::invalid_argument for a wall that is none, or too far away.
+void RequireWalls(const std::vector<Segment>& walls);
+
 class Layers {
  public:
   struct Layer {
@@ -45,6 +48,8 @@ class Layers {
   Bodies::Body Add(b2World& world, std::vector<Segment> walls, LayerBits bits,
                    const std::function<void(std::size_t added)>& progress);
   const std::vector<Layer>& all() const { return all_; }
+  /// Exchanges the walls of the first layer with others, while Box2D has none of either.
+  void ExchangeFirst(std::shared_ptr<const VisibleWalls>& walls);
   /// The walls of all layers in Box2D, in the same order.
   const std::vector<std::unique_ptr<NearbyWalls>>& nearby() const { return nearby_; }
   /// Those of a record, or null if it is no layer.

@@ -75,6 +75,9 @@ class NearbyWalls {
   void AppendFixtures(std::vector<b2Fixture*>& fixtures) const;
   /// Exchanges what is held with that of another state of the world.
   void Exchange(Held& held) { held_.swap(held); }
+  /// Takes other walls, while none is held and all have one material.
+  void Replace(std::shared_ptr<const SegmentTree> walls) { walls_ = std::move(walls); }
+  bool IsAtBeginning() const { return held_.empty() && changed_.empty(); }
   int held_block_count() const { return static_cast<int>(held_.size()); }
   /// The fixture of a wall, or null if its block is not held.
   b2Fixture* Find(uint32_t wall);

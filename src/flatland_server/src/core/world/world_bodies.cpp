@@ -19,11 +19,7 @@ b2Body& World::Find(Body body) const {
 
 World::Body World::AddLayer(std::vector<Segment> walls, LayerBits layers,
                             const std::function<void(std::size_t added)>& progress) {
-  for (const Segment& wall : walls) {
-    RequirePosition(wall.a);
-    RequirePosition(wall.b);
-    Require(wall.a.x != wall.b.x || wall.a.y != wall.b.y, "a wall's ends must not be one point");
-  }
+  RequireWalls(walls);
   const AccessGuard guard(*this);
   return layers_->Add(*world_, std::move(walls), layers, progress);
 }

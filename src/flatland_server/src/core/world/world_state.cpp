@@ -401,6 +401,12 @@ void World::RestoreState(std::string_view bytes) {
   WorldState::Read(bytes, *this).Restore(*this);
 }
 
+bool WorldState::IsApartFromWalls() const {
+  return contacts.empty() && std::all_of(bodies.begin(), bodies.end(), [](const BodyState& body) {
+           return body.nearby.blocks.empty();
+         });
+}
+
 void WorldState::RequireSameStill(const World& world) const {
   std::vector<int32> leaves(tree.nodes.size());  // by the number of the fixture
   for (int32 leaf = 0; leaf < tree.node_count(); ++leaf) {

@@ -148,6 +148,8 @@ struct WorldState {
   void Restore(World& world) const;
   /// Removes from Box2D what was made by steps: contacts, and the walls near bodies.
   static void Clear(World& world);
+  /// True if no body has come near walls yet, as before the first step.
+  bool IsApartFromWalls() const;
   /// Throws std::invalid_argument unless the world has, in this state, the same materials, and the
   /// bodies that stay at the same places.
   void RequireSameStill(const World& world) const;

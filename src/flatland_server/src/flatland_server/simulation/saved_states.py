@@ -67,6 +67,8 @@ def restore(state: WorldState, world: World) -> None:
         StateError: the state does not fit, or the file of a model is missing.
     """
     contents = world.contents
+    if state.own_walls is not None:
+        raise StateError("the state is of an environment with walls of its own: load it in a batch")
     try:
         _check_walls(state, contents.config)
         _replay_additions(state, world)

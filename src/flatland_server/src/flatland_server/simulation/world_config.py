@@ -304,6 +304,16 @@ class WorldConfig:
             raise ModelError(f"there is no file {path.absolute()}{nor_in(folders)}")
         return path
 
+    def with_walls(self, segments: Segments) -> "WorldConfig":
+        """The same world with other walls in its first layer.
+
+        Args:
+            segments: these walls.
+        """
+        first, *rest = self.layers
+        own = replace(first, map="walls of an environment")
+        return replace(self, layers=(own, *rest), walls={**self.walls, own.map: segments})
+
     def walls_of(self, layer: LayerConfig) -> Segments:
         """The walls of a layer in the world [m]: shape (n, 4), x1, y1, x2, y2.
 

@@ -80,6 +80,8 @@ class WorldState:
     plugins: List[PluginState]
     physics: bytes
     """See `_core.World.save_state`."""
+    own_walls: Any = None
+    """The walls of the first layer in place of those of the world's files; see `Walls`."""
     is_of_batch: bool = False
     """True for the state of an environment: it has the states of those plugins alone that act."""
 

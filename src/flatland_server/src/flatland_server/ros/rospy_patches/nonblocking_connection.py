@@ -46,6 +46,13 @@ Linux would let them grow to megabytes. A subscriber that messages flood, as at 
 hundred robots, would read what is long past, and connect to other topics after a minute.
 """
 
+PATIENCE = 0.05
+"""Real time for which more messages than a publisher's `queue_size` may wait for a subscriber [s].
+
+At a hundred times real time there are 20,000 odometries a second: ten would wait for half of a
+millisecond, and a subscriber that keeps up may not be run for several.
+"""
+
 _CONNECTION = "rospy.impl.tcpros_pubsub:QueuedConnection"
 
 REQUIREMENTS = (
@@ -105,7 +112,7 @@ class NonblockingConnection(QueuedConnection):
 
     def __init__(self, connection: Any, queue_size: int) -> None:
         connection.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER)
-        self.queue = SubscriberQueue(connection.socket.fileno(), queue_size)
+        self.queue = SubscriberQueue(connection.socket.fileno(), queue_size, PATIENCE)
         super().__init__(connection, queue_size)
 
     def write_data(self, data: bytes) -> bool:
