@@ -50,7 +50,7 @@ class Ros2Environment:
         with (FOLDER / f"{distribution}.lock").open("w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             self._once(self._venv, [self._requirements], self._install)
-            sources = [*MESSAGES.iterdir(), *(ROOT / "src" / "flatland_msgs").glob("*/*")]
+            sources = [*MESSAGES.glob("*.*"), *(ROOT / "src" / "flatland_msgs").glob("*/*")]
             self._once(self._messages, [self._requirements, *sources], self._build_messages)
 
     @staticmethod

@@ -64,7 +64,8 @@ class SimulatedGraph(Graph, Tap):
         self._lock = threading.Lock()  # with which alone topics come and go there
         self._wanted: FrozenSet[str] = frozenset()  # topics, as the transport knows them
         self._transforms = TransformQueue()
-        folder, refused = state_folder, ()
+        folder = state_folder
+        refused: Tuple[str, ...] = ()
         if state_folder is None and not trusts_clients:
             folder = manager.world.config.model_folders[0]
             refused = ("save_state", "load_state", "save_world")

@@ -15,7 +15,8 @@ from rclpy.parameter import Parameter
 
 from flatland2d.cli.run import interrupts
 from flatland_bridge.ros2.node import TWISTS, Ros2Node
-from flatland_bridge.server import Access, Server
+from flatland_bridge.server import Server
+from flatland_bridge.websocket_server import Access
 from flatland_server.exceptions import FlatlandError, UsageError, counted, suggestion
 from flatland_server.hub.server_config import ServerConfig, positive
 from flatland_server.simulation.slow_plugin_watch import SlowPluginWatch

@@ -98,4 +98,5 @@ def draw(walls: Segments) -> Tuple[Int8Array, float, Pose]:
     columns, rows = (np.floor(points / resolution) - first).astype(int).T
     cells = np.zeros((height, width), np.int8)
     cells[rows, columns] = 100
-    return cells, resolution, Pose(*(first * resolution).tolist(), 0.0)
+    x, y = (first * resolution).tolist()
+    return cells, resolution, Pose(x, y, 0.0)

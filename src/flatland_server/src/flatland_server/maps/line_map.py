@@ -87,7 +87,8 @@ class ServerMap:
         Raises:
             YamlError: the image cannot be read.
         """
-        return read_image(self.image, self._cells)[::-1]
+        cells: Int8Array = read_image(self.image, self._cells)
+        return cells[::-1]
 
     def is_bright(self, image: "Image.Image") -> BoolArray:
         """The mask of free and unknown pixels: shape (height, width), the top row first."""
