@@ -51,7 +51,9 @@ make_venv() {
   say "installing ${requirements##*/} into $folder/ ..."
   mkdir -p "${venv%/*}"
   "$python" -m venv --clear "$@" "$venv"
-  "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --requirement "$requirements"
+  # Without PYTHONPATH: pip would leave out what is found there today.
+  env -u PYTHONPATH "$venv/bin/python" -m pip install --quiet --disable-pip-version-check \
+    --requirement "$requirements"
   cp "$requirements" "$venv/requirements.txt"
 }
 

@@ -174,7 +174,8 @@ class DistanceGrid:
 
     Args:
         walls: shape (n, 4), x1, y1, x2, y2 [m].
-        start: a point of the floor, from which free space is reached: x, y [m].
+        start: a point of the floor, from which free space is reached: x, y [m]; None: free space is
+            the largest part that is connected.
         farthest: the largest distance in the grid [m].
         discs: other obstacles: shape (m, 3), x, y and radius [m].
         resolution: side of a square [m]; it is increased if there would be over 4 million squares.
@@ -191,7 +192,7 @@ class DistanceGrid:
     def __init__(
         self,
         walls: Segments,
-        start: Tuple[float, float],
+        start: Optional[Tuple[float, float]],
         farthest: float,
         *,
         discs: FloatArray = np.empty((0, 3)),  # noqa: B008 (only read)
@@ -202,9 +203,9 @@ class DistanceGrid:
             raise UsageError("the world has no walls that bound its free space: pass poses")
         ends = walls.reshape(-1, 2)
         if len(walls) == 0:
-            ends = np.array(start) + np.array([[-open_reach] * 2, [open_reach] * 2])
+            ends = np.array(start or (0.0, 0.0)) + np.array([[-open_reach] * 2, [open_reach] * 2])
         self.farthest = farthest
-        self._start = np.array(start, dtype=np.float64)
+        self._start = None if start is None else np.array(start, dtype=np.float64)
         self._origin = ends.min(axis=0)
         size = ends.max(axis=0) - self._origin
         self.resolution = max(resolution, math.sqrt(size[0] * size[1] / _MAX_SQUARES))
@@ -261,7 +262,7 @@ class DistanceGrid:
         return max(0.0, bound)
 
     def free_space(self, clearance: float) -> FreeSpace:
-        """The places that are connected with the start; computed once for each clearance.
+        """The places that can be reached; computed once for each clearance.
 
         If the start's square is not free, the nearest free one is used. The result may be empty.
 
@@ -302,8 +303,10 @@ class DistanceGrid:
         xs = (columns.start + 0.5 + np.arange(width)) * self.resolution + (x - point[0])
         return window, np.sqrt(xs**2 + ys**2)
 
-    def _nearest(self, free: BoolArray) -> Tuple[int, int]:
+    def _nearest(self, free: BoolArray) -> Optional[Tuple[int, int]]:
         """The row and column of the free square that is nearest to the start."""
+        if self._start is None:
+            return None
         column, row = np.floor((self._start - self._origin) / self.resolution).astype(int).tolist()
         height, width = free.shape
         if 0 <= row < height and 0 <= column < width and free[row, column]:

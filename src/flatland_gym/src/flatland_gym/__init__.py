@@ -22,13 +22,16 @@ from flatland_gym.settings import NavigationSettings
 
 __all__ = [
     "SCENARIOS",
+    "MapCrop",
     "NavigationEnv",
     "NavigationSettings",
     "NavigationVectorEnv",
+    "ObservationPart",
     "Policy",
     "RewardWeights",
     "Rooms",
     "Scenario",
+    "Situation",
     "Transition",
     "navigation_reward",
 ]
@@ -37,6 +40,7 @@ if TYPE_CHECKING or importlib.util.find_spec("gymnasium") is not None:
     import gymnasium
 
     from flatland_gym.navigation_env import NavigationEnv
+    from flatland_gym.parts import MapCrop, ObservationPart, Situation
 
     if TYPE_CHECKING or hasattr(gymnasium.vector, "AutoresetMode"):  # Gymnasium 1.1 and later
         from flatland_gym.navigation_vector_env import NavigationVectorEnv

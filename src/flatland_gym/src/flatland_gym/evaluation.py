@@ -51,11 +51,16 @@ def evaluate(
         seeds: of the environments.
         threads: how many are stepped at a time.
         arguments: of the environment; see `NavigationSettings`.
+
+    Raises:
+        FlatlandError: an argument is wrong, or the policy cannot have these observations.
     """
     env = NavigationVectorEnv(len(seeds), threads, autoreset_mode="Disabled", **arguments)
     try:
         observations, _ = env.reset(seed=list(seeds))
         navigation = env.navigation
+        if isinstance(policy, (Policy, StraightDriver)):
+            navigation.require_standard()
         running = np.arange(len(seeds))
         success, collision = (np.zeros(len(seeds), bool) for _ in range(2))
         while len(running):

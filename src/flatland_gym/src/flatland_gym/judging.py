@@ -18,7 +18,7 @@ def judge(transition: Transition, settings: NavigationSettings) -> Tuple[FloatAr
     """
     count, step = len(transition.distance), transition
     if settings.reward is not None or settings.terminated is not None:
-        arrays = {name: _frozen(getattr(transition, name)) for name in Transition._fields[:-2]}
+        arrays = {name: frozen(getattr(transition, name)) for name in Transition._fields[:-2]}
         step = transition._replace(**arrays)
     if settings.reward is None:
         rewards = navigation_reward(step, settings.rewards)
@@ -31,7 +31,7 @@ def judge(transition: Transition, settings: NavigationSettings) -> Tuple[FloatAr
     return rewards, terminated
 
 
-def _frozen(array: Any) -> Any:
+def frozen(array: Any) -> Any:
     """A read-only view."""
     view = array.view()
     view.flags.writeable = False

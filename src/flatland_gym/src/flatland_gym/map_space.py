@@ -5,20 +5,19 @@ from typing import Dict
 
 import numpy as np
 
-from flatland2d import DistanceGrid, FreeSpace, Point
+from flatland2d import DistanceGrid, FreeSpace
 from flatland_server import FloatArray, Segments, from_segments
 
 
 class MapSpace:
-    """Where a robot can stand on a map; as a `DistanceGrid`, which takes a hundred times the memory.
+    """Where a robot can stand on a map; as a `DistanceGrid`, in a hundredth of the memory.
 
     Args:
         walls: shape (n, 4) [m].
-        start: a point of the floor, from which free space is reached: x, y [m].
     """
 
-    def __init__(self, walls: Segments, start: Point) -> None:
-        self._walls, self._start = walls, start
+    def __init__(self, walls: Segments) -> None:
+        self._walls = walls
         self._spaces: Dict[float, FreeSpace] = {}
         ends = walls.reshape(-1, 2)
         self.diagonal = math.hypot(*(ends.max(axis=0) - ends.min(axis=0)).tolist())
@@ -29,8 +28,8 @@ class MapSpace:
         return float(np.hypot(away[..., 0], away[..., 1]).min())
 
     def free_space(self, clearance: float) -> FreeSpace:
-        """As `DistanceGrid.free_space`."""
+        """As `DistanceGrid.free_space`: the largest part that is connected."""
         if clearance not in self._spaces:
-            grid = DistanceGrid(self._walls, self._start, clearance)
+            grid = DistanceGrid(self._walls, None, clearance)
             self._spaces[clearance] = grid.free_space(clearance)
         return self._spaces[clearance]

@@ -44,7 +44,7 @@ class Maps:
         self._make: Any = settings.maps
         self._world = world
         self._most = count + _KEPT
-        self._maps: "OrderedDict[int, Map]" = OrderedDict()
+        self._maps: OrderedDict[int, Map] = OrderedDict()
 
     def __getitem__(self, number: int) -> Map:
         if number in self._maps:
@@ -70,6 +70,6 @@ class Maps:
             raise UsageError(f"maps: the walls of map {number}: {error}") from None
         if not len(segments):
             raise UsageError(f"maps: expected walls of map {number}, found none")
-        space = MapSpace(segments, self._world.start)
+        space = MapSpace(segments)
         world = replace(self._world, walls=segments, space=space)
         return Map(walls, world, LinesOfSight(segments))

@@ -48,7 +48,17 @@ class NavigationVectorEnv(ByArguments, VectorEnv[Any, Any, Any]):
     """
 
     _STATE: Tuple[str, ...] = (
-        *("world", "simulation", "goal", "distance", "success", "collided", "steps", "episode", "map"),
+        *(
+            "world",
+            "simulation",
+            "goal",
+            "distance",
+            "success",
+            "collided",
+            "steps",
+            "episode",
+            "map",
+        ),
         *("rng", "seed", "ended"),
     )
     """The keys of a state."""

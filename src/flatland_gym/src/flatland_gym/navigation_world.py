@@ -8,7 +8,7 @@ from typing import AbstractSet, Any, Dict, List, Mapping, Sequence, Set, Tuple, 
 
 import numpy as np
 
-from flatland2d import DistanceGrid, FlatlandError, Point, Pose, Simulation, UsageError, find_robot
+from flatland2d import DistanceGrid, FlatlandError, Pose, Simulation, UsageError, find_robot
 from flatland2d.world_content import content_with
 from flatland_gym.map_space import MapSpace
 from flatland_gym.robot import Content, Robot, scale_footprints, set_beams
@@ -57,7 +57,6 @@ class NavigationWorld:
         scale: of the robot, relative to the world's.
         radius: of the robot [m].
         walls: of all its layers.
-        start: a point of the floor, from which that space is reached [m].
         space: where it can stand.
         standing: the models that stay where the world file puts them.
         scattered: the models that each episode places at random.
@@ -73,7 +72,6 @@ class NavigationWorld:
     scale: float
     radius: float
     walls: Segments
-    start: Point
     space: Union[DistanceGrid, MapSpace]
     standing: Tuple[Disc, ...]
     scattered: Tuple[Disc, ...]
@@ -130,10 +128,9 @@ class NavigationWorld:
             )
             params_read = transport.params_read | simulation.transport.params_read
             largest = max([driven.radius, *(disc.radius for disc in discs.values())])
-            x, y, *_ = inside.get("pose") or (0.0, 0.0)
             space = DistanceGrid.shared(
                 walls,
-                (x, y),
+                tuple(inside.get("pose") or (0.0, 0.0))[:2],
                 largest + 2 * (driven.radius + settings.margin),
                 open_reach=_OPEN,
             )
@@ -146,7 +143,6 @@ class NavigationWorld:
             scale,
             driven.radius,
             walls,
-            (x, y),
             space,
             tuple(disc for disc in discs.values() if disc.name not in moved | added),
             tuple(disc for disc in discs.values() if disc.name in moved),

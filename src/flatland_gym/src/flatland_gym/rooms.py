@@ -17,8 +17,7 @@ class Rooms:
         gymnasium.make_vec(..., world="empty_room", maps=Rooms(), num_maps=300)
 
     A rectangle is cut in two, and so is each part that is larger than `room`, by a wall with a
-    door: all rooms are connected, but where a box stands in a door. Places are drawn from the part
-    of the floor that is connected with the robot's place in the world's file.
+    door: all rooms are connected, but where a box stands in a door.
 
     Attributes:
         size: of the floor, along x and y [m]; its middle is the origin.
@@ -41,7 +40,8 @@ class Rooms:
             raise UsageError(f"expected finite sizes of 0 or more, found {self}")
         if not 0.0 < 6.0 * self.door <= min(self.room, *self.size):
             raise UsageError(
-                f"expected rooms and a floor of six doors at least, {6.0 * self.door:g} m, found {self}"
+                f"expected a floor and rooms of at least six doors, {6.0 * self.door:g} m, found "
+                f"{self}"
             )
 
     def __call__(self, rng: np.random.Generator) -> Segments:

@@ -48,19 +48,23 @@ class OdometryPlugin(ModelPlugin):
         if self.model.has_own_frames and not (is_own or is_true):
             self._odom_frame = self.name_space_tf(self._odom_frame)
 
-    def open_odometry(self, body: ModelBody, config: OdometryConfig, period: float) -> None:
+    def open_odometry(
+        self, body: ModelBody, config: OdometryConfig, period: float, slips: bool = False
+    ) -> None:
         """Opens the topics, after `read_frames`.
 
         Args:
             body: its origin is tracked.
             config: topics, noise and drift.
             period: between two messages [s]; 0 if every step has one.
+            slips: whether the wheels of a drive of the body may slip: they are what is measured.
         """
         self._body = body
         self._noise = TimedNoise(self.rng)
-        self._drift = (
-            config.drift.add_to(body, draw_key(self.rng), period) if config.drift else None
-        )
+        self._drift: Optional[Drift] = None
+        if config.drift or slips:
+            key = draw_key(self.rng) if config.drift else 0
+            self._drift = config.drift.add_to(body, key, period)
         base_frame = self.name_space_tf(body.name)
         self._deviation = np.sqrt([*config.pose_noise, *config.twist_noise])
         self._is_noisy = bool(self._deviation.any())

@@ -48,13 +48,19 @@ class TricycleDrive(TwistDrive):
         config.warn_of_degrees(max_steer_angle, "max_steer_angle")
         linear, angular = read_dynamics(config)
         angular = _with_deprecated(config, angular)
+        actuators = self.read_actuators(config, body, is_steered=True)
         config.finish()
         assert front is not None  # or there was a problem
         self._tricycle = body.physics_body.add_tricycle(
-            front[0].physics_joint, axle, max_steer_angle, linear, angular
+            front[0].physics_joint,
+            axle,
+            max_steer_angle,
+            linear,
+            angular,
+            actuators,
         )
         limits = (linear.velocity_limit, max_steer_angle)
-        return CoreDrive(self._tricycle, (0, 1), limits)
+        return CoreDrive(self._tricycle, (0, 1), limits, self._actuators.is_random)
 
     def on_twist(self, twist: Any) -> None:
         self.command(twist.linear.x, twist.angular.z)

@@ -6,6 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar, Tuple
 
+from flatland_plugins.actuators import Actuators
 from flatland_plugins.dynamics_limits import DynamicsLimits
 from flatland_plugins.odometry import OdometryPlugin
 from flatland_plugins.odometry_config import OdometryConfig
@@ -56,13 +57,35 @@ class TwistDrive(OdometryPlugin, ABC):
 
         self._topic = self.node.resolve(twist_sub)
         self.update_timer = UpdateTimer(pub_rate)
-        self.open_odometry(body, odometry, self.update_timer.period)
+        slips = self._actuators.friction > 0.0
+        self.open_odometry(body, odometry, self.update_timer.period, slips)
         self._is_ignoring = False
         self.node.subscribe(twist_sub, "geometry_msgs/Twist", self._receive)
 
     @abstractmethod
     def add_drive(self, config: YamlReader, body: ModelBody) -> CoreDrive:
-        """Reads the other keys, finishes the configuration, and adds a drive of the core."""
+        """Reads the other keys, finishes the configuration, and adds a drive of the core.
+
+        Calls `read_actuators`, after all getters and before `finish`.
+        """
+
+    def read_actuators(self, config: YamlReader, body: ModelBody, is_steered: bool = False) -> Any:
+        """Reads the actuators, and returns them as the core's drives take them.
+
+        Args:
+            config: of the drive.
+            body: that it drives.
+            is_steered: whether their angular axis is a steering angle.
+        """
+        self._actuators = config.read_once(Actuators.read, is_steered)
+        if self._actuators.has_force and not body.physics_body.inertia:
+            found = (
+                f"{body.config.type} one" if body.config.type != "dynamic" else "without density"
+            )
+            config.problem(
+                f"a limited force needs a dynamic body with a density, found a {found}", "actuators"
+            )
+        return self._actuators.for_core(self.rng)
 
     @property
     def batch_role(self) -> BatchRole:
@@ -109,10 +132,12 @@ class VelocityDrive(TwistDrive):
 
     def add_drive(self, config: YamlReader, body: ModelBody) -> CoreDrive:
         linear, angular = config.read_once(read_dynamics)
+        actuators = self.read_actuators(config, body)
         config.finish()
-        self._drive = body.physics_body.add_drive(linear, angular)
+        self._drive = body.physics_body.add_drive(linear, angular, actuators)
         limits = (linear.velocity_limit, linear.velocity_limit, angular.velocity_limit)
-        return CoreDrive(self._drive, self.columns, tuple(limits[k] for k in self.columns))
+        chosen = tuple(limits[k] for k in self.columns)
+        return CoreDrive(self._drive, self.columns, chosen, self._actuators.is_random)
 
 
 def read_dynamics(config: YamlReader) -> Tuple[DynamicsLimits, DynamicsLimits]:

@@ -41,6 +41,7 @@ from flatland_server._core import __version__ as __version__
 from flatland_server.array_math import cos_sin, from_segments, headings
 from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, PoseLike, Segments
 from flatland_server.canvas import Canvas
+from flatland_server.config.input_files import read_input
 from flatland_server.config.yaml_map import check_topic_name
 from flatland_server.config.yaml_reader import REQUIRED, Color, YamlReader
 from flatland_server.exceptions import (
@@ -164,6 +165,7 @@ __all__ = [
     "headings",
     "messages",
     "quaternion",
+    "read_input",
     "ros_time",
     "stamp_of",
     "wrap_angle",

@@ -24,6 +24,8 @@ _Pair = tuple[float, float]
 _Triple = tuple[float, float, float]
 _PairLike = Numbers
 _TripleLike = Numbers
+_Axis = Sequence[float]
+_Actuators = tuple[_Axis, _Axis, float, int, _TripleLike]
 _Collision = tuple[int, Fixture, Fixture, bool, list[_Pair], _Pair, list[float]]
 
 class _Metaclass(type):
@@ -87,6 +89,7 @@ class World(metaclass=_Metaclass):
         goal_radius: float,
         forces: tuple[float, float, float, float, float, float],
         orca: tuple[float, float, float, int] | None = None,
+        begin: float = 0.0,
     ) -> Crowd:
         """Adds a crowd without people, which moves them in the steps.
 
@@ -101,6 +104,7 @@ class World(metaclass=_Metaclass):
             orca: moves them by optimal reciprocal collision avoidance instead: time without
                 collisions with people and robots, and with walls [s], the distance up to which
                 people count [m], and how many of them.
+            begin: the time of its people's recordings at time 0 [s].
         """
     def step(self, dt: float) -> None:
         """Advances the simulation by `dt` [s], 1e-9 or more. Releases the GIL.
@@ -323,12 +327,16 @@ class WorldBatch(metaclass=_Metaclass):
         With None, they are those of the world. Nothing changes if it has these already.
 
         Raises:
-            ValueError: the world has no layer, or environments begin near walls. Nothing has changed.
+            ValueError: the world has no layer, or environments begin near walls. Nothing has
+                changed.
         """
-    def seed_crowd(
-        self, crowd: Crowd, keys: npt.NDArray[np.uint64], mask: BoolArray | None
+    def seed(
+        self,
+        owner: Crowd | Drive | Tricycle,
+        keys: npt.NDArray[np.uint64],
+        mask: BoolArray | None,
     ) -> None:
-        """Begins other random numbers of a crowd, by a key for each environment (n,)."""
+        """Begins other random numbers of a crowd or a drive, by a key for each environment (n,)."""
     def motions(
         self, bodies: Sequence[Body], mask: BoolArray | None
     ) -> tuple[FloatArray, FloatArray]:
@@ -477,6 +485,7 @@ class Body(_WithoutConstructor):
         self,
         linear_limits: _TripleLike = (0.0, 0.0, 0.0),
         angular_limits: _TripleLike = (0.0, 0.0, 0.0),
+        actuators: _Actuators | None = None,
     ) -> Drive:
         """Adds a drive, which moves the body at commanded velocities.
 
@@ -485,6 +494,10 @@ class Body(_WithoutConstructor):
         Args:
             linear_limits: of the planar velocity [m/s^2, m/s^2, m/s].
             angular_limits: of the yaw rate [rad/s^2, rad/s^2, rad/s].
+            actuators: (linear, angular, command_timeout, key, force): each axis (delay [s],
+                time_constant [s], dead_band, noise); the timeout [s], 0 for none; the key of the
+                noise; (max_force [N], max_torque [N m], friction), 0 for no limit. None: the body
+                has the velocities of the commands at once.
         """
     def add_tricycle(
         self,
@@ -493,6 +506,7 @@ class Body(_WithoutConstructor):
         max_steer_angle: float = 0.0,
         linear_limits: _TripleLike = (0.0, 0.0, 0.0),
         steering_limits: _TripleLike = (0.0, 0.0, 0.0),
+        actuators: _Actuators | None = None,
     ) -> Tricycle:
         """Adds the drive of a tricycle, the front wheel of which is at the body's origin.
 
@@ -505,6 +519,7 @@ class Body(_WithoutConstructor):
             max_steer_angle: largest magnitude of the steering angle [rad]; 0 for no limit.
             linear_limits: of the front wheel's speed [m/s^2, m/s^2, m/s].
             steering_limits: of the steering rate [rad/s^2, rad/s^2, rad/s].
+            actuators: as of `add_drive`; the angular axis is that of the steering angle.
         """
     def add_tween(
         self, delta: _TripleLike, duration: float, mode: str = "yoyo", easing: str = "linear"
@@ -1137,6 +1152,7 @@ class Crowd(_WithoutConstructor):
         group: int = -1,
         area: tuple[_Pair, _Pair] | None = None,
         stands: bool = False,
+        recording: Sequence[FloatArray] = (),
     ) -> None:
         """Adds a person, on the way to the first goal. It leaves when one of its bodies is removed.
 
@@ -1156,6 +1172,8 @@ class Crowd(_WithoutConstructor):
             group: the people of a group keep together; -1: none.
             area: lower and upper corner of a rectangle in which goals are drawn [m].
             stands: at the place in the area at which `scatter` puts it.
+            recording: walks that it follows instead of going to goals, one after the other: rows of
+                time [s], x and y [m]. Between two of them it is away, beyond `AWAY`.
         """
     def follow(self, person: int, point: _PairLike, velocity: _PairLike) -> None:
         """Lets a person follow an agent from now on, instead of walking to its goals.
@@ -1175,7 +1193,13 @@ class Crowd(_WithoutConstructor):
         Infinite if there is none, or no wall within the reach of the forces.
         """
     def scatter(self) -> None:
-        """Puts people with an area at drawn places in it. One for which none is found stays."""
+        """Puts people with an area at drawn places in it: one for which none is found stays.
+
+        Those with a recording are put where it begins.
+        """
+
+AWAY: float
+"""People of a crowd who are away have larger coordinates [m]."""
 
 def orca_velocity(
     velocity: _PairLike,
@@ -1281,12 +1305,13 @@ def lower_to_walls(
         side: of a square [m].
     """
 
-def connected(free: BoolArray, start: tuple[int, int]) -> BoolArray:
+def connected(free: BoolArray, start: tuple[int, int] | None) -> BoolArray:
     """The free squares that are connected with one through shared sides: a new array.
 
     Args:
         free: shape (rows, columns).
-        start: row and column of that square. If it is not free, there are none.
+        start: row and column of that square. If it is not free, there are none. With None, they are
+            the largest part that is connected.
 
     Raises:
         ValueError: the start is outside.
@@ -1306,6 +1331,19 @@ class FloorSquares(metaclass=_Metaclass):
         """The number of squares."""
     def __contains__(self, point: _PairLike) -> bool:
         """True if a point is in one of the squares."""
+    def crop(self, poses: FloatArray, cells: int) -> BoolArray:
+        """Which places around robots are in one of the squares: a new array (n, cells²).
+
+        The places are the middles of squares of the same size in the robot's frame, the robot in
+        the middle: rows from behind to ahead of it, each from its right to its left.
+
+        Args:
+            poses: x, y [m] and yaw [rad], shape (n, 3).
+            cells: along each side.
+
+        Raises:
+            ValueError: an argument is wrong.
+        """
     def draw(self, rng: np.random.Generator) -> _Pair:
         """A random point in a square: x, y [m].
 

@@ -64,6 +64,9 @@ TRAPS = {
     "a drive of a kinematic body": (MODEL, "type: dynamic", "type: kinematic",
      "robot.model.yaml:44: plugins[0].body: expected a dynamic body, found a kinematic one, which "
      "is stopped by no wall"),
+    "a body without density": (MODEL, "density: 1", "density: 0",
+     "robot.model.yaml:2: bodies[0] \"base\": has 1 kg, and no push turns it: no footprint has a "
+     "density"),
     "a lidar on a vertex": (MODEL, "range: 10", "range: 10\n    origin: [0.2, 0.1, 0]",
      "robot.model.yaml:50: plugins[1].origin: is on the outline of a footprint of its own model"),
     "a lidar on a circle": (MODEL, "range: 10", "range: 10\n    origin: [0.3, -0.4, 0]",

@@ -126,6 +126,10 @@ def test_what_is_reachable_goes_round_corners_and_not_through_walls():
     ]
     free[3, 5] = False
     assert not _core.connected(free, (0, 0))[4:].any()
+    upper = free.copy()
+    upper[4:] = False
+    assert np.array_equal(_core.connected(free, None), upper)  # the larger of two parts
+    assert not _core.connected(np.zeros((2, 2), bool), None).any()
 
 
 def test_wrong_arguments_are_refused():
@@ -135,7 +139,7 @@ def test_wrong_arguments_are_refused():
         floor(0)[0].draw(np.random.default_rng())
     with pytest.raises(AttributeError):
         floor(3)[0].draw(5)
-    with pytest.raises(ValueError, match=r"squares \(rows, columns\), and walls \(n, 4\)"):
+    with pytest.raises(ValueError, match=r"segments of shape \(n, 4\)"):
         _core.lower_to_walls(np.zeros((2, 2)), np.zeros((3, 2)), 1.0, CORNER, SIDE)
     for outside in ((-1, 0), (0, 3), (2, 0)):
         with pytest.raises(ValueError, match="and one of them"):

@@ -115,12 +115,16 @@ def walls_of(
     """Walls of environments by their indices.
 
     Raises:
-        UsageError: there is no such environment, or it is not in the mask; or they are no walls.
+        UsageError: they are no dict of walls; or there is no such environment, or not in the mask.
     """
+    if not isinstance(value, Mapping):
+        raise UsageError(f"expected walls as a dict by environment, found {shown(value)}")
     for index, walls in value.items():
         require_index(index, count)
         if mask is not None and not mask[index]:
-            raise UsageError(f"expected walls of environments that are reset, found those of {index}")
+            raise UsageError(
+                f"expected walls of environments that are reset, found those of {index}"
+            )
         if not (walls is None or isinstance(walls, Walls)):
             raise UsageError(f"expected Walls for environment {index}, found {shown(walls)}")
     return dict(value)

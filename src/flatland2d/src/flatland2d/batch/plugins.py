@@ -4,8 +4,8 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
-from flatland2d.batch.crowds import BatchCrowds
 from flatland2d.batch.motions import BatchMotions
+from flatland2d.batch.randomness import BatchRandomness
 from flatland2d.batch.robot import PluginRole
 from flatland2d.batch.worlds import BatchWorlds
 from flatland_server import _core
@@ -47,7 +47,7 @@ class BatchPlugins:
         self._origin = origin
         is_random = config.with_seed is not None and not origin
         self._worlds = BatchWorlds([] if origin else roles, count, open, is_random)
-        self._crowds = BatchCrowds([] if origin else roles, count)
+        self._randomness = BatchRandomness([] if origin else roles, count)
         self._motions = BatchMotions(roles, count, step_nanoseconds)
         self.own_walls: Dict[int, Optional[_core.Walls]] = {}
 
@@ -75,10 +75,10 @@ class BatchPlugins:
 
     def begin(self, core: _core.WorldBatch, chosen: Optional[BoolArray], seeds: IntArray) -> None:
         """Begins environments that the core has reset, with their seeds (n,)."""
-        if not self._crowds and not self._motions:
+        if not self._randomness and not self._motions:
             return
         every = list(range(self._count)) if chosen is None else np.flatnonzero(chosen).tolist()
-        self._crowds.begin(core, every, seeds)
+        self._randomness.begin(core, every, seeds)
         for k in every if self._motions else ():
             self._motions.begin(k, int(seeds[k]), self._walls(k))
             if self._origin is not None:

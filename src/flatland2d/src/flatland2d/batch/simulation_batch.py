@@ -470,7 +470,7 @@ class SimulationBatch:
         chosen = None if mask is None else mask_of(mask, self._num_envs)
         self._plugins.load(core, chosen, self._seeds, self._steps)
         parts, every = self._own_parts(), range(self._num_envs)
-        own = self._plugins.own_walls
+        own = {k: each.segments for k, each in self._plugins.own_walls.items() if each is not None}
         return [
             replace(
                 parts,
@@ -478,7 +478,7 @@ class SimulationBatch:
                 nanoseconds=int(self._steps[k]) * self._step_nanoseconds,
                 plugins=self._plugins.states(k),
                 physics=core.save_state(k),
-                own_walls=None if own.get(k) is None else own[k].segments,
+                own_walls=own.get(k),
                 is_of_batch=True,
             ).dumps()
             for k in (every if chosen is None else np.flatnonzero(chosen).tolist())

@@ -48,6 +48,7 @@ METRICS = (
     "intimate_fraction",
     "personal_fraction",
     "social_fraction",
+    "group_crossing_rate",
     "stalled_time",
     "heading_change",
     "mean_jerk",

@@ -107,7 +107,7 @@ def test_wrong_walls_change_nothing():
     own = Walls(box(1.0))
     with SimulationBatch(WORLD, 2) as batch:
         before = batch.observe()
-        for walls in ({2: own}, {-1: own}, {0: box(1.0)}):
+        for walls in ({2: own}, {-1: own}, {0: box(1.0)}, own):
             with pytest.raises(UsageError, match="expected"):
                 batch.reset(walls=walls)
         with pytest.raises(UsageError, match="that are reset"):
@@ -122,5 +122,5 @@ def test_wrong_walls_change_nothing():
         state = simulation.save_state()
     with SimulationBatch(WORLD, 1, state=state) as batch:
         batch.step(np.zeros((1, 2)))
-        with pytest.raises(UsageError, match="cannot be replaced: .* near walls"):
+        with pytest.raises(UsageError, match=r"cannot be replaced: .* near walls"):
             batch.reset(walls={0: own})

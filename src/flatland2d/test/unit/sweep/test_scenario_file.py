@@ -209,6 +209,22 @@ def test_a_fingerprint_covers_all_that_a_result_depends_on(folder, settings_of):
     assert fingerprints(seeds=4) == first
 
 
+def test_a_fingerprint_covers_recorded_people(folder, settings_of, monkeypatch, tmp_path):
+    with (folder / "world.yaml").open("a") as world:
+        world.write("plugins: [{type: Crowd, name: people, recording: {file: people.csv}}]\n")
+
+    def fingerprint(rows):
+        (folder / "people.csv").write_text(rows)
+        settings = settings_of()
+        return Fingerprints(settings).of(scenarios_of(settings)[0])
+
+    first = fingerprint("0 1 0 0")
+    monkeypatch.chdir(tmp_path)  # the file is beside that of the world
+
+    assert fingerprint("0 1 0 0") == first
+    assert fingerprint("0 1 0 0.1") != first
+
+
 def test_a_fingerprint_covers_the_files_that_its_parameters_choose(
     folder, settings_of, monkeypatch
 ):

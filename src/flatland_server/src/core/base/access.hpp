@@ -19,6 +19,10 @@ class Access {
   void RequireAccess() const {
     if (is_in_use_ && !IsInCallback()) Refuse();
   }
+  /// Throws std::logic_error if the object is in use, also for a callback.
+  void RequireIdle() const {
+    if (is_in_use_) Refuse();
+  }
   /// True if this thread is within a callback.
   bool IsInCallback() const { return callback_thread_ == std::this_thread::get_id(); }
   /// Calls back on this thread.

@@ -22,8 +22,10 @@ void AddRotations(b2Body& body, float count) {
     b2Body& member = *group[i];
     member.SetTransform(member.GetPosition(), member.GetAngle() + count * kFullRotation);
     for (b2JointEdge* edge = member.GetJointList(); edge != nullptr; edge = edge->next) {
-      const bool compares = edge->joint->GetType() != e_revoluteJoint ||
-                            static_cast<b2RevoluteJoint*>(edge->joint)->IsLimitEnabled();
+      const b2JointType type = edge->joint->GetType();
+      const bool compares =
+          type == e_weldJoint ||
+          (type == e_revoluteJoint && static_cast<b2RevoluteJoint*>(edge->joint)->IsLimitEnabled());
       const bool is_new = std::find(group.begin(), group.end(), edge->other) == group.end();
       if (compares && is_new) group.push_back(edge->other);
     }

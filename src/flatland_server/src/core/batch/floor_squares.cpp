@@ -67,21 +67,31 @@ void LowerToWalls(const std::vector<Segment>& walls, double reach, Vec2 corner, 
 }
 
 void MarkConnected(const bool* free, int64_t rows, int64_t columns, int64_t start, bool* reached) {
-  std::vector<int64_t> waiting;  // reached, but not left yet
+  std::vector<int64_t> part, largest;  // squares that are connected
   const auto reach = [&](int64_t index) {
     if (!free[index] || reached[index]) return;
     reached[index] = true;
-    waiting.push_back(index);
+    part.push_back(index);
   };
-  reach(start);
-  while (!waiting.empty()) {
-    const int64_t index = waiting.back(), row = index / columns, column = index % columns;
-    waiting.pop_back();
-    if (column > 0) reach(index - 1);
-    if (column + 1 < columns) reach(index + 1);
-    if (row > 0) reach(index - columns);
-    if (row + 1 < rows) reach(index + columns);
+  const auto reach_from = [&](int64_t first) {
+    part.clear();
+    reach(first);
+    for (size_t i = 0; i < part.size(); ++i) {
+      const int64_t index = part[i], row = index / columns, column = index % columns;
+      if (column > 0) reach(index - 1);
+      if (column + 1 < columns) reach(index + 1);
+      if (row > 0) reach(index - columns);
+      if (row + 1 < rows) reach(index + columns);
+    }
+  };
+  if (start >= 0) return reach_from(start);
+  for (int64_t index = 0; index < rows * columns; ++index) {
+    if (reached[index]) continue;
+    reach_from(index);
+    if (part.size() > largest.size()) largest.swap(part);
   }
+  std::fill_n(reached, rows * columns, false);
+  for (const int64_t index : largest) reached[index] = true;
 }
 
 FloorSquares::FloorSquares(const bool* squares, int rows, int columns, Vec2 corner, double side)
@@ -108,6 +118,19 @@ bool FloorSquares::Contains(Vec2 point) const {
   const double row = std::floor((point.y - corner_.y) / side_);
   return row >= 0.0 && row < rows_ && column >= 0.0 && column < columns_ &&
          IsOne(static_cast<int>(row), static_cast<int>(column));
+}
+
+void FloorSquares::Crop(const Pose& pose, int cells, bool* crop) const {
+  const Rotation heading(pose.yaw);
+  const Vec2 robot{(pose.x - corner_.x) / side_, (pose.y - corner_.y) / side_};
+  const double middle = (cells - 1) / 2.0;
+  for (int i = 0; i < cells; ++i) {
+    for (int j = 0; j < cells; ++j) {
+      const Vec2 at = robot + heading.Apply({i - middle, j - middle});
+      *crop++ = at.x >= 0.0 && at.x < columns_ && at.y >= 0.0 && at.y < rows_ &&
+                IsOne(static_cast<int>(at.y), static_cast<int>(at.x));
+    }
+  }
 }
 
 Vec2 FloorSquares::Draw(const NumberSource& numbers) const {

@@ -51,10 +51,15 @@ void SharedWorld::CollectRanges() {
     }
   });
   world_->joints_.ForEach([this](World::Joint, b2Joint* joint) {
-    if (joint->GetType() == e_weldJoint) {
-      AddRange(static_cast<b2WeldJoint&>(*joint));
-    } else {
-      AddRange(static_cast<b2RevoluteJoint&>(*joint));
+    switch (joint->GetType()) {
+      case e_weldJoint:
+        AddRange(static_cast<b2WeldJoint&>(*joint));
+        break;
+      case e_frictionJoint:
+        AddRange(static_cast<b2FrictionJoint&>(*joint));
+        break;
+      default:
+        AddRange(static_cast<b2RevoluteJoint&>(*joint));
     }
   });
   world_->mechanisms_.ForEachMap([this](auto& map) { AddRanges(map); });
@@ -101,6 +106,8 @@ std::unique_ptr<SharedState> SharedWorld::MakeState(SharedState::Walls walls) {
   state->held_.resize(layers.size());
   state->nearby_.resize(world_->bodies_.Moving().size());
   state->walls_ = std::move(walls);
+  const auto add_line = [&](DelayLine&) { state->lines_.emplace_back(); };
+  world_->mechanisms_.ForEachActuator([&](auto, Actuator& each) { each.ForEachLine(add_line); });
   beginning_.Restore(Entered(*this, *state).world());
   return state;
 }
@@ -127,6 +134,9 @@ void SharedWorld::ExchangeOwn(SharedState& state) {
   if (state.walls_ != nullptr) world_->layers_->ExchangeFirst(state.walls_);
   auto nearby = state.nearby_.begin();
   for (BodyRecord* const record : world_->bodies_.Moving()) std::swap(record->nearby, *nearby++);
+  auto line = state.lines_.begin();
+  const auto exchange = [&](DelayLine& each) { std::swap(each, *line++); };
+  world_->mechanisms_.ForEachActuator([&](auto, Actuator& each) { each.ForEachLine(exchange); });
 }
 
 void SharedWorld::Enter(SharedState& state) {

@@ -11,7 +11,8 @@
 ///   their fixtures, and joints; drives, tweens and crowds. These objects stay at their places, so
 ///   all pointers between them stay right.
 /// - What a state alone has, because Box2D made it in this state, stays where it is: contacts, the
-///   walls near bodies, and the tree of bounding boxes. Only the pointers to it are exchanged.
+///   walls near bodies, and the tree of bounding boxes; and commands that are under way. Only the
+///   pointers to it are exchanged.
 ///
 /// - Walls belong to the world, or to a state that has others in the first layer: a map of its own.
 ///
@@ -45,6 +46,7 @@ class SharedState {
   std::vector<NearbyWalls::Held> held_;     // of each layer
   std::vector<BodyRecord::Nearby> nearby_;  // of each body that may move
   Walls walls_;                             // of the first layer, or null: those of the world
+  std::vector<DelayLine> lines_;            // of the drives' actuators
 };
 
 class SharedWorld {
@@ -54,7 +56,8 @@ class SharedWorld {
   explicit SharedWorld(std::unique_ptr<World> world, const std::vector<World::Body>& moved = {});
 
   /// A new state: that of the world at the beginning, perhaps with other walls in its first layer.
-  /// To be destroyed before the SharedWorld. Throws std::invalid_argument if these cannot be others.
+  /// To be destroyed before the SharedWorld. Throws std::invalid_argument if these cannot be
+  /// others.
   std::unique_ptr<SharedState> MakeState(SharedState::Walls walls = nullptr);
   /// Tells the processor to fetch what a state consists of from memory, while it does something
   /// else: first where its arrays are, then the ranges, and then what these refer to.
@@ -93,8 +96,16 @@ class SharedWorld {
   }
   template <class Mechanism>
   void AddRanges(SlotMap<Mounted<Mechanism>>& mechanisms) {
-    static_assert(std::is_trivially_copyable_v<Mechanism>);
-    mechanisms.ForEach([this](auto, Mounted<Mechanism>& each) { AddRange(each.mechanism); });
+    mechanisms.ForEach([this](auto, Mounted<Mechanism>& each) {
+      if constexpr (std::is_trivially_copyable_v<Mechanism>) {
+        AddRange(each.mechanism);
+      } else {
+        each.mechanism.ForEachPart([this](auto& part) {
+          static_assert(std::is_trivially_copyable_v<std::decay_t<decltype(part)>>);
+          AddRange(part);
+        });
+      }
+    });
   }
   void Enter(SharedState& state);
   void Leave(SharedState& state);

@@ -265,8 +265,10 @@ void WorldBatch::Begin(int row, Environment environment) {
   std::fill_n(seen_.begin() + first, robot_count(), SeenWalls{});
 }
 
-void WorldBatch::SeedCrowd(const bool* mask, World::CrowdHandle crowd, const uint64_t* keys) {
-  ForEach(mask, 1, [&](World& world, Environment&, int row) { world.Get(crowd).Seed(keys[row]); });
+void WorldBatch::Seed(const bool* mask, const Random& random, const uint64_t* keys) {
+  ForEach(mask, 1, [&](World& world, Environment&, int row) {
+    std::visit([&](auto handle) { world.Get(handle).Seed(keys[row]); }, random);
+  });
 }
 
 void WorldBatch::GetMotions(const bool* mask, const std::vector<World::Body>& bodies, double* poses,

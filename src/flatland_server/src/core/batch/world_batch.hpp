@@ -102,25 +102,27 @@ class WorldBatch {
   /// step, and in which the same handles name the same things, such as the same world with other
   /// walls. It is not shared with other environments. Its row is not written.
   void Replace(int row, const World& world);
-  /// Lets an environment begin again with other walls in the first layer, or with those of the world
-  /// (null). Its row is not written. Throws std::invalid_argument, and changes nothing, in a world
-  /// without a layer, or where environments begin near walls.
+  /// Lets an environment begin again with other walls in the first layer, or with those of the
+  /// world (null). Its row is not written. Throws std::invalid_argument, and changes nothing, in a
+  /// world without a layer, or where environments begin near walls.
   void SetWalls(int row, std::shared_ptr<const VisibleWalls> walls);
   /// The state of an environment, as World::SaveState makes it of one that is equal.
   std::string SaveState(int row);
   /// Puts each environment that `mask` chooses (null: all) into one of some saved states, that with
   /// the index in `chosen` (count), after as many steps as there are in `steps` (count), with the
-  /// walls of the state (`walls`, see SetWalls), and writes its row. Throws std::invalid_argument, and changes nothing, if a state is damaged, or of
-  /// another world.
+  /// walls of the state (`walls`, see SetWalls), and writes its row. Throws std::invalid_argument,
+  /// and changes nothing, if a state is damaged, or of another world.
   void LoadStates(const bool* mask, const std::vector<std::string_view>& states,
                   const std::vector<std::shared_ptr<const VisibleWalls>>& walls,
                   const int64_t* chosen, const int64_t* steps, const BatchRows& rows);
   /// Writes all rows; `collided` as in the last row.
   void Observe(const BatchRows& rows);
 
-  /// Begins other random numbers of a crowd, by a key for each environment that `mask` chooses
-  /// (null: all).
-  void SeedCrowd(const bool* mask, World::CrowdHandle crowd, const uint64_t* keys);
+  /// Something with random numbers of its own in the core.
+  using Random = std::variant<World::CrowdHandle, World::Drive, World::Tricycle>;
+  /// Begins other random numbers of it, by a key for each environment that `mask` chooses (null:
+  /// all).
+  void Seed(const bool* mask, const Random& random, const uint64_t* keys);
   /// Writes the poses of bodies (x, y [m] and yaw in [-pi, pi] [rad]) and the velocities of their
   /// origins [m/s, m/s, rad/s], in the world's frame, to the rows (count x bodies x 3) of the
   /// environments that `mask` chooses (null: all).

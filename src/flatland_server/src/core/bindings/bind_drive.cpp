@@ -1,5 +1,8 @@
 /// Drive, Tricycle, Tween and Drift in Python.
 
+#include <array>
+#include <optional>
+
 #include "bindings/bindings.hpp"
 #include "bindings/fast_method.hpp"
 
@@ -8,6 +11,21 @@ namespace {
 
 DynamicsLimits ToLimits(const Triple& t) {
   return {std::get<0>(t), std::get<1>(t), std::get<2>(t)};
+}
+
+/// Each axis as (delay, time_constant, dead_band, noise); command_timeout; the key of the noise;
+/// and (max_force, max_torque, friction).
+using Axis = std::array<double, 4>;
+using Actuators = std::tuple<Axis, Axis, double, uint64_t, Triple>;
+
+AxisSettings ToAxis(const Axis& axis) { return {axis[0], axis[1], axis[2], axis[3]}; }
+
+std::optional<ActuatorSettings> ToActuator(const std::optional<Actuators>& given) {
+  if (!given) return std::nullopt;
+  const auto& [linear, angular, timeout, key, force] = *given;
+  const auto [max_force, max_torque, friction] = force;
+  return ActuatorSettings{
+      ToAxis(linear), ToAxis(angular), timeout, key, {max_force, max_torque, friction}};
 }
 
 void CommandDrive(PyDrive& self, double vx, double vy, double omega) {
@@ -58,24 +76,27 @@ void BindDrive(py::module_& m) {
 void BindDrivesOf(py::class_<PyBody>& body) {
   body.def(
           "add_drive",
-          [](PyBody& self, const Triple& linear, const Triple& angular) {
+          [](PyBody& self, const Triple& linear, const Triple& angular,
+             const std::optional<Actuators>& actuators) {
             return PyDrive{self.world,
-                           self.world->AddDrive(self.handle, ToLimits(linear), ToLimits(angular))};
+                           self.world->AddDrive(self.handle, ToLimits(linear), ToLimits(angular),
+                                                ToActuator(actuators))};
           },
           py::arg("linear_limits") = Triple{0.0, 0.0, 0.0},
-          py::arg("angular_limits") = Triple{0.0, 0.0, 0.0})
+          py::arg("angular_limits") = Triple{0.0, 0.0, 0.0}, py::arg("actuators") = py::none())
       .def(
           "add_tricycle",
           [](PyBody& self, const PyJoint& front_wheel, const Pair& rear_axle,
-             double max_steer_angle, const Triple& linear, const Triple& steering) {
+             double max_steer_angle, const Triple& linear, const Triple& steering,
+             const std::optional<Actuators>& actuators) {
             const TricycleSettings settings{ToVec2(rear_axle), max_steer_angle, ToLimits(linear),
-                                            ToLimits(steering)};
+                                            ToLimits(steering), ToActuator(actuators)};
             return PyTricycle{self.world,
                               self.world->AddTricycle(self.handle, front_wheel.handle, settings)};
           },
           py::arg("front_wheel"), py::arg("rear_axle"), py::arg("max_steer_angle") = 0.0,
           py::arg("linear_limits") = Triple{0.0, 0.0, 0.0},
-          py::arg("steering_limits") = Triple{0.0, 0.0, 0.0})
+          py::arg("steering_limits") = Triple{0.0, 0.0, 0.0}, py::arg("actuators") = py::none())
       .def(
           "add_tween",
           [](PyBody& self, const Triple& delta, double duration, const std::string& mode,

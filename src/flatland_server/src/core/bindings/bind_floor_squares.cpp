@@ -52,8 +52,8 @@ void Lower(Numbers squares, const Numbers& walls, double reach, std::array<doubl
 }
 
 py::array_t<bool> Connected(const py::array_t<bool, py::array::c_style>& free,
-                            std::array<int64_t, 2> start) {
-  const auto [row, column] = start;
+                            std::optional<std::array<int64_t, 2>> start) {
+  const auto [row, column] = start.value_or(std::array<int64_t, 2>{0, 0});
   const bool is_inside =
       free.ndim() == 2 && row >= 0 && row < free.shape(0) && column >= 0 && column < free.shape(1);
   if (!is_inside) throw std::invalid_argument("expected squares (rows, columns), and one of them");
@@ -61,8 +61,23 @@ py::array_t<bool> Connected(const py::array_t<bool, py::array::c_style>& free,
   py::array_t<bool> reached({rows, columns});
   bool* const marks = reached.mutable_data();
   std::fill_n(marks, rows * columns, false);
-  MarkConnected(free.data(), rows, columns, row * columns + column, marks);
+  MarkConnected(free.data(), rows, columns, start ? row * columns + column : -1, marks);
   return reached;
+}
+
+py::array_t<bool> Crop(const FloorSquares& self, const Numbers& poses, int cells) {
+  if (poses.ndim() != 2 || poses.shape(1) != 3 || cells < 1) {
+    throw std::invalid_argument("expected poses (n, 3), and a number of cells above 0");
+  }
+  const py::ssize_t count = poses.shape(0), size = py::ssize_t{cells} * cells;
+  py::array_t<bool> crops({count, size});
+  const double* pose = poses.data();
+  bool* crop = crops.mutable_data();
+  const py::gil_scoped_release release;
+  for (py::ssize_t k = 0; k < count; ++k, pose += 3, crop += size) {
+    self.Crop({pose[0], pose[1], pose[2]}, cells, crop);
+  }
+  return crops;
 }
 
 void RequireSquare(const FloorSquares& self) {
@@ -84,6 +99,7 @@ void BindFloorSquares(py::module_& m) {
             return self.Contains({point[0], point[1]});
           },
           py::arg("point"))
+      .def("crop", &Crop, py::arg("poses"), py::arg("cells"))
       .def(
           "draw",
           [](const FloorSquares& self, const py::object& rng) {

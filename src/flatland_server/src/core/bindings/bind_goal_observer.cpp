@@ -34,9 +34,7 @@ Array<float> Observe(const GoalObserver& self, const Array<float>& ranges,
   return result;
 }
 
-LinesOfSight MakeLines(const Array<double>& walls) {
-  return LinesOfSight(ToSegments(walls));
-}
+LinesOfSight MakeLines(const Array<double>& walls) { return LinesOfSight(ToSegments(walls)); }
 
 Array<bool> AreBlocked(const LinesOfSight& self, const Array<double>& lines) {
   if (lines.ndim() != 2 || lines.shape(1) != 4) {

@@ -158,13 +158,14 @@ std::vector<World::Body> ToHandles(const std::vector<PyBody>& bodies) {
   return handles;
 }
 
-void SeedCrowd(PyWorldBatch& self, const PyCrowd& crowd, const Array<uint64_t>& keys,
-               const std::optional<Array<bool>>& mask) {
+template <class Owner>
+void Seed(PyWorldBatch& self, const Owner& owner, const Array<uint64_t>& keys,
+          const std::optional<Array<bool>>& mask) {
   RequireShape(keys, "keys", self.batch.count(), 0);
   if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
   const Use use(self);
   const py::gil_scoped_release release;
-  self.batch.SeedCrowd(mask ? mask->data() : nullptr, crowd.handle, keys.data());
+  self.batch.Seed(mask ? mask->data() : nullptr, owner.handle, keys.data());
 }
 
 /// Poses and velocities: two arrays of shape (count, bodies, 3), with zeros where the mask does not
@@ -276,7 +277,8 @@ void BindWorldBatch(py::module_& m) {
           },
           py::arg("row"))
       .def("load_states", &LoadStates, py::arg("mask").noconvert().none(true), py::arg("states"),
-           py::arg("walls"), py::arg("chosen").noconvert(), py::arg("steps").noconvert(), py::arg("out"))
+           py::arg("walls"), py::arg("chosen").noconvert(), py::arg("steps").noconvert(),
+           py::arg("out"))
       .def("observe", &Observe, py::arg("out"))
       .def(
           "replace",
@@ -292,7 +294,11 @@ void BindWorldBatch(py::module_& m) {
             self.batch.SetWalls(row, walls ? walls->walls : nullptr);
           },
           py::arg("row"), py::arg("walls"))
-      .def("seed_crowd", &SeedCrowd, py::arg("crowd"), py::arg("keys").noconvert(),
+      .def("seed", &Seed<PyCrowd>, py::arg("owner"), py::arg("keys").noconvert(),
+           py::arg("mask").noconvert().none(true))
+      .def("seed", &Seed<PyDrive>, py::arg("owner"), py::arg("keys").noconvert(),
+           py::arg("mask").noconvert().none(true))
+      .def("seed", &Seed<PyTricycle>, py::arg("owner"), py::arg("keys").noconvert(),
            py::arg("mask").noconvert().none(true))
       .def("motions", &GetMotions, py::arg("bodies"), py::arg("mask").noconvert().none(true))
       .def("set_velocities", &SetVelocities, py::arg("bodies"), py::arg("velocities").noconvert(),

@@ -48,7 +48,7 @@ double RoundingError(double target, double actual) {
 
 }  // namespace
 
-void ArcMotion::Begin(b2Body& body, const Twist& mean, double dt) {
+void ArcMotion::Begin(b2Body& body, const Twist& mean, double dt, Grip* grip) {
   if (mean.vx == 0.0 && mean.vy == 0.0 && mean.omega == 0.0) rounding_error_ = {};
   const Displacement displacement(mean, dt);
   const Rotation heading(body.GetAngle() + rounding_error_.yaw);
@@ -58,12 +58,16 @@ void ArcMotion::Begin(b2Body& body, const Twist& mean, double dt) {
            heading.Apply(displacement.Of(FromBox2D(center)));
   };
   const double rotation = rounding_error_.yaw + displacement.angle;
+  double mass = 0.0;
   thread_local std::vector<b2Body*> group;  // keeps its memory
   group.assign(1, &body);
   for (size_t i = 0; i < group.size(); ++i) {
     b2Body& member = *group[i];
-    member.SetLinearVelocity(ToBox2D(1.0 / dt * displacement_of(member)));
-    member.SetAngularVelocity(static_cast<float>(rotation / dt));
+    mass += member.GetMass();
+    if (grip == nullptr) {
+      member.SetLinearVelocity(ToBox2D(1.0 / dt * displacement_of(member)));
+      member.SetAngularVelocity(static_cast<float>(rotation / dt));
+    }
     for (b2JointEdge* edge = member.GetJointList(); edge != nullptr; edge = edge->next) {
       b2Body& other = *edge->other;
       if (other.GetType() != b2_dynamicBody) continue;
@@ -72,22 +76,38 @@ void ArcMotion::Begin(b2Body& body, const Twist& mean, double dt) {
           group.push_back(&other);
         }
       } else if (IsWheel(*edge->joint, other)) {
-        other.SetLinearVelocity(ToBox2D(1.0 / dt * displacement_of(other)));
+        mass += other.GetMass();
+        if (grip == nullptr) other.SetLinearVelocity(ToBox2D(1.0 / dt * displacement_of(other)));
       }
     }
   }
   commanded_velocity_ = body.GetLinearVelocity();
   commanded_omega_ = body.GetAngularVelocity();
+  if (grip != nullptr) {
+    commanded_velocity_ = ToBox2D(1.0 / dt * displacement_of(body));
+    commanded_omega_ = static_cast<float>(rotation / dt);
+    grip->Begin(body, mass);
+    body.SetLinearVelocity(body.GetLinearVelocity() - shown_);
+    body.SetAngularVelocity(body.GetAngularVelocity() - shown_omega_);
+    // The mass may have changed since the joint was put where its centre was.
+    const b2Vec2 arm = grip->joint()->GetAnchorB() - body.GetWorldCenter();
+    grip->belt()->SetLinearVelocity(commanded_velocity_ + b2Cross(commanded_omega_, arm));
+    grip->belt()->SetAngularVelocity(commanded_omega_);
+    if (mean.vx != 0.0 || mean.vy != 0.0 || mean.omega != 0.0) body.SetAwake(true);
+  }
   const Vec2 target = FromBox2D(body.GetWorldCenter()) + displacement_of(body);
   target_ = {target.x, target.y, body.GetAngle() + rotation};
 }
 
-void ArcMotion::End(b2Body& body, const Twist& at_end) {
+void ArcMotion::End(b2Body& body, const Twist& at_end, Grip* grip) {
+  if (grip != nullptr) grip->belt()->SetTransform(b2Vec2_zero, 0.0f);
   const b2Vec2 lost = commanded_velocity_ - body.GetLinearVelocity();
   const float lost_omega = commanded_omega_ - body.GetAngularVelocity();
   const bool is_obstructed = lost.Length() > 0.1f * commanded_velocity_.Length() + 1e-3f ||
                              std::abs(lost_omega) > 0.1f * std::abs(commanded_omega_) + 1e-3f;
   rounding_error_ = {};
+  shown_ = b2Vec2_zero;
+  shown_omega_ = 0.0f;
   if (is_obstructed) return;
   const b2Vec2 center = body.GetWorldCenter();
   rounding_error_ = {RoundingError(target_.x, center.x), RoundingError(target_.y, center.y),
@@ -96,6 +116,10 @@ void ArcMotion::End(b2Body& body, const Twist& at_end) {
   const Vec2 of_center =
       Rotation(body.GetAngle())
           .Apply({at_end.vx - at_end.omega * arm.y, at_end.vy + at_end.omega * arm.x});
+  if (grip != nullptr) {
+    shown_ = ToBox2D(of_center) - commanded_velocity_;
+    shown_omega_ = static_cast<float>(at_end.omega) - commanded_omega_;
+  }
   body.SetLinearVelocity(ToBox2D(of_center) - lost);
   body.SetAngularVelocity(static_cast<float>(at_end.omega) - lost_omega);
 }

@@ -5,6 +5,7 @@
 #include <box2d/box2d.h>
 
 #include "base/geometry.hpp"
+#include "motion/grip.hpp"
 
 namespace flatland {
 
@@ -16,18 +17,20 @@ class ArcMotion {
   /// Sets the body's velocity for the next step of `dt` [s]. `mean` is the mean twist of its origin
   /// over the step, in its frame [m/s, m/s, rad/s]. Bodies rigidly welded to it, and wheels hinged
   /// to it at their own centre, get the matching velocity too: otherwise they would slow it down
-  /// until the solver has accelerated them.
-  void Begin(b2Body& body, const Twist& mean, double dt);
+  /// until the solver has accelerated them. With a `grip`, the belt gets the velocity, and pulls.
+  void Begin(b2Body& body, const Twist& mean, double dt, Grip* grip = nullptr);
 
   /// After the step: sets the body's velocity to the twist at the end of the arc, minus what it
   /// lost during the step, as by damping. If it lost much, as by hitting a wall, its velocity
   /// stays.
-  void End(b2Body& body, const Twist& at_end);
+  void End(b2Body& body, const Twist& at_end, Grip* grip = nullptr);
+  /// To be called when the body was moved.
+  void Rebase() { rounding_error_ = {}; }
 
   /// Writes or reads what it keeps from step to step; see archive.hpp.
   template <class Archive>
   void Serialize(Archive& archive) {
-    archive(rounding_error_);
+    archive(rounding_error_, shown_, shown_omega_);
   }
 
  private:
@@ -38,6 +41,10 @@ class ArcMotion {
   // add up: each step corrects that of the one before.
   Pose target_;
   Pose rounding_error_;
+  // With a grip: the body's velocity at the end of the arc minus that of the step, which is shown
+  // between steps. In the next step, the solver has its own velocity again: no force was needed.
+  b2Vec2 shown_ = b2Vec2_zero;
+  float shown_omega_ = 0.0f;
 };
 
 }  // namespace flatland

@@ -21,10 +21,11 @@ Pose MotionBetween(const Pose& before, const Pose& after) {
 }  // namespace
 
 BodyDrift::BodyDrift(const DriftVariances& variances, double period, uint64_t key,
-                     const Pose& start)
+                     const Pose& start, const Actuator* wheels)
     : variances_(variances),
       drifts_at_rest_(!(variances.per_second == kNone)),
       period_(period * 1e9),
+      wheels_(wheels),
       estimate_(Wrapped(start)),
       last_(start),
       numbers_(NormalNumbers::Mixed(key)) {
@@ -65,10 +66,11 @@ void BodyDrift::BeginStep(const b2Body& body, double dt) {
 void BodyDrift::EndStep(const b2Body& body) {
   now_ += static_cast<uint64_t>(std::nearbyint(dt_ * 1e9));
   const Pose truth = PoseOf(body);
-  if (truth == last_ && !drifts_at_rest_) return;
+  if (truth == last_ && !drifts_at_rest_ && wheels_ == nullptr) return;
   const Pose motion = MotionBetween(last_, truth);
   const Vec2 way = ArcOf(motion);
-  const Pose arc = Measured({way.x, way.y, motion.yaw});
+  const Pose made{way.x, way.y, motion.yaw};
+  const Pose arc = Measured(wheels_ == nullptr ? made : wheels_->Measured(made, dt_));
   trip_ = {trip_.x + arc.x, trip_.y + arc.y, trip_.yaw + arc.yaw};
   estimate_ = Wrapped(Compose(estimate_, MotionAlong(arc)));
   last_ = truth;

@@ -8,6 +8,7 @@
 
 #include "base/geometry.hpp"
 #include "base/normal_numbers.hpp"
+#include "motion/actuator.hpp"
 
 namespace flatland {
 
@@ -40,8 +41,10 @@ class BodyDrift {
   BodyDrift() = default;
   /// The first estimate is `start`; updates are `period` [s] apart, or every step if that is 0.
   /// Equal keys and motions give equal errors. Throws std::invalid_argument if a variance or the
-  /// period is negative or not finite.
-  BodyDrift(const DriftVariances& variances, double period, uint64_t key, const Pose& start);
+  /// period is negative or not finite. `wheels` are those of a drive that lives as long, and may
+  /// slip; without them, the wheels roll with the body.
+  BodyDrift(const DriftVariances& variances, double period, uint64_t key, const Pose& start,
+            const Actuator* wheels = nullptr);
 
   /// Before a step of `dt` [s]: takes the estimate along if the body was moved since the last one.
   void BeginStep(const b2Body& body, double dt);
@@ -67,6 +70,7 @@ class BodyDrift {
   Pose deviations_;     // of the errors per square root of a second
   bool drifts_at_rest_ = false;
   double period_ = 0.0;  // [ns]
+  const Actuator* wheels_ = nullptr;
   Pose estimate_;
   Pose last_;  // the true pose at the estimate
   NormalNumbers numbers_;

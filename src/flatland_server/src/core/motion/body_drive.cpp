@@ -1,5 +1,7 @@
 #include "motion/body_drive.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace flatland {
@@ -9,35 +11,51 @@ bool IsZero(const Twist& twist) { return twist.vx == 0.0 && twist.vy == 0.0 && t
 
 }  // namespace
 
-BodyDrive::BodyDrive(const DynamicsLimits& linear, const DynamicsLimits& angular)
+BodyDrive::BodyDrive(const DynamicsLimits& linear, const DynamicsLimits& angular,
+                     const std::optional<ActuatorSettings>& actuator)
     : linear_(linear), angular_(angular) {
   linear.Check();
   angular.Check();
+  if (actuator) actuator_ = OptionalActuator(Actuator(*actuator, false));
 }
 
 void BodyDrive::Command(const Twist& target) {
   if (!IsUsable(target)) throw std::invalid_argument("a commanded velocity must be finite");
   target_ = target;
+  if (actuator_) actuator_->Command();
+}
+
+Fastest BodyDrive::GetFastest() const {
+  const auto square = [](const Twist& twist) { return twist.vx * twist.vx + twist.vy * twist.vy; };
+  const double limit = linear_.velocity, target = square(target_);
+  const Twist& present = velocity();
+  return {std::max(square(present), limit > 0.0 ? std::min(target, limit * limit) : target),
+          std::max(std::abs(present.omega), angular_.Limited(std::abs(target_.omega)))};
 }
 
 void BodyDrive::Reset() {
   target_ = {};
   velocity_ = {};
+  motion_ = {};
+  if (actuator_) actuator_->Reset();
 }
 
 void BodyDrive::BeginStep(b2Body& body, double dt) {
-  is_idle_ = !body.IsAwake() && IsZero(target_) && IsZero(velocity_);
+  const Twist target = actuator_ ? actuator_->Arrive(target_, dt) : target_;
+  is_idle_ = !body.IsAwake() && IsZero(target) && IsZero(velocity_) && IsZero(velocity());
   if (is_idle_) return;
-  const VelocityChange planar =
-      linear_.Approach({velocity_.vx, velocity_.vy}, {target_.vx, target_.vy}, dt);
-  const VelocityChange rotating =
-      angular_.Approach({velocity_.omega, 0.0}, {target_.omega, 0.0}, dt);
+  VelocityChange planar =
+      linear_.Approach({velocity_.vx, velocity_.vy}, {target.vx, target.vy}, dt);
+  VelocityChange rotating = angular_.Approach({velocity_.omega, 0.0}, {target.omega, 0.0}, dt);
   velocity_ = {planar.reached.x, planar.reached.y, rotating.reached.x};
-  motion_.Begin(body, {planar.mean.x, planar.mean.y, rotating.mean.x}, dt);
+  if (actuator_) actuator_->Follow(planar, rotating, dt);
+  const Twist mean{planar.mean.x, planar.mean.y, rotating.mean.x};
+  if (actuator_) actuator_->Roll(mean);
+  motion_.Begin(body, mean, dt, actuator_.grip());
 }
 
 void BodyDrive::EndStep(b2Body& body) {
-  if (!is_idle_) motion_.End(body, velocity_);
+  if (!is_idle_) motion_.End(body, velocity(), actuator_.grip());
 }
 
 }  // namespace flatland

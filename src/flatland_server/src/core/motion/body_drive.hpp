@@ -4,7 +4,10 @@
 
 #include <box2d/box2d.h>
 
+#include <optional>
+
 #include "base/geometry.hpp"
+#include "motion/actuator.hpp"
 #include "motion/arc_motion.hpp"
 #include "motion/dynamics_limits.hpp"
 
@@ -16,17 +19,33 @@ class BodyDrive {
  public:
   BodyDrive() = default;
   /// `linear` limits the length of the planar velocity [m/s, m/s^2], `angular` the yaw rate
-  /// [rad/s, rad/s^2]. Throws std::invalid_argument if a limit is negative or not finite.
-  BodyDrive(const DynamicsLimits& linear, const DynamicsLimits& angular);
+  /// [rad/s, rad/s^2]. Throws std::invalid_argument if a limit is negative or not finite, or a
+  /// setting of the actuators is wrong.
+  BodyDrive(const DynamicsLimits& linear, const DynamicsLimits& angular,
+            const std::optional<ActuatorSettings>& actuator = std::nullopt);
 
   /// Sets the velocity to reach. Throws std::invalid_argument if it is not finite.
   void Command(const Twist& target);
   /// The velocity to reach.
   const Twist& target() const { return target_; }
   /// The present velocity, on its way to the target.
-  const Twist& velocity() const { return velocity_; }
+  const Twist& velocity() const { return actuator_ ? actuator_->velocity() : velocity_; }
+  OptionalActuator& actuator() { return actuator_; }
+  /// The greatest speed and yaw rate that it may have in the next step.
+  Fastest GetFastest() const;
   /// Sets the velocity and the target to zero at once.
   void Reset();
+  /// To be called when the body was moved.
+  void Rebase() { motion_.Rebase(); }
+  /// Begins other random numbers, of the actuators' noise.
+  void Seed(uint64_t key) {
+    if (actuator_) actuator_->Seed(key);
+  }
+
+  /// Called for each joint that another one has taken the place of, or null: it is destroyed.
+  void Replace(const b2Joint* joint, b2Joint* other) {
+    if (actuator_) actuator_->Replace(joint, other);
+  }
 
   /// Sets the body's velocity for the next step of `dt` [s].
   void BeginStep(b2Body& body, double dt);
@@ -36,15 +55,24 @@ class BodyDrive {
   /// Writes or reads what it keeps from step to step; see archive.hpp.
   template <class Archive>
   void Serialize(Archive& archive) {
-    archive(target_, velocity_, motion_);
+    archive(target_, velocity_, motion_, actuator_);
+  }
+  /// Calls `visit` with all that steps change and that can be copied byte by byte.
+  template <class Visit>
+  void ForEachPart(Visit visit) {
+    visit(target_);
+    visit(velocity_);
+    visit(motion_);
+    if (actuator_) actuator_->ForEachPart(visit);
   }
 
  private:
   DynamicsLimits linear_;
   DynamicsLimits angular_;
   Twist target_;
-  Twist velocity_;
+  Twist velocity_;  // within the limits
   ArcMotion motion_;
+  OptionalActuator actuator_;
   bool is_idle_ = false;  // the body sleeps and is not to move: this step is skipped
 };
 

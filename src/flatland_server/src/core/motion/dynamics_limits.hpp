@@ -12,6 +12,12 @@ struct VelocityChange {
   Vec2 mean;     ///< times the step, it is the distance covered [m/s]
 };
 
+/// The greatest speed and yaw rate of something.
+struct Fastest {
+  double squared_speed = 0.0;  ///< [m^2/s^2]
+  double omega = 0.0;          ///< [rad/s]
+};
+
 /// Limits of a velocity and its rate of change. Zero means no limit.
 struct DynamicsLimits {
   double acceleration = 0.0;  ///< away from zero [m/s^2 or rad/s^2]
@@ -21,6 +27,10 @@ struct DynamicsLimits {
   /// Throws std::invalid_argument if a limit is negative or not finite.
   void Check() const;
 
+  /// The part of a speed or rate that the velocity limit lets through.
+  double Limited(double speed) const {
+    return velocity > 0.0 && speed > velocity ? velocity : speed;
+  }
   /// The velocity after `dt` [s], changing from `current` along a straight line to `target` [m/s].
   /// Where the speed falls the deceleration applies, where it rises the acceleration: a reversal
   /// consists of both.

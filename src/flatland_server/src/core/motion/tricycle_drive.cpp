@@ -15,6 +15,7 @@ TricycleDrive::TricycleDrive(const TricycleSettings& settings, b2RevoluteJoint* 
   wheelbase_ = std::hypot(settings.rear_axle.x, settings.rear_axle.y);
   Require(wheelbase_ >= 1e-3, "the rear axle must be apart from the front wheel");
   heading_ = std::atan2(-settings.rear_axle.y, -settings.rear_axle.x);
+  if (settings.actuator) actuator_ = OptionalActuator(Actuator(*settings.actuator, true));
 }
 
 void TricycleDrive::Command(double speed, double angle) {
@@ -23,12 +24,22 @@ void TricycleDrive::Command(double speed, double angle) {
   const double most = settings_.max_steer_angle;
   target_speed_ = speed;
   target_angle_ = most > 0.0 ? std::clamp(angle, -most, most) : angle;
+  if (actuator_) actuator_->Command();
+}
+
+Fastest TricycleDrive::GetFastest() const {
+  const double speed =
+      std::max(std::abs(this->speed()), settings_.linear.Limited(std::abs(target_speed_)));
+  const double angle = std::max(std::abs(steer_angle()), std::abs(target_angle_));
+  return {speed * speed, speed * std::min(angle, 1.0) / wheelbase_};
 }
 
 void TricycleDrive::Reset() {
   target_speed_ = speed_ = 0.0;
-  target_angle_ = steering_.angle;
+  target_angle_ = steering_.angle = steer_angle();
   steering_.rate = 0.0;
+  motion_ = {};
+  if (actuator_) actuator_->Reset();
 }
 
 // The rear axle does not slip sideways: with the front wheel rolling at v and angle d, and the
@@ -42,19 +53,33 @@ Twist TricycleDrive::TwistAt(double speed, double angle) {
 }
 
 void TricycleDrive::BeginStep(b2Body& body, double dt) {
-  const VelocityChange rolling = settings_.linear.Approach({speed_, 0.0}, {target_speed_, 0.0}, dt);
-  const double halfway = Steer(steering_, target_angle_, settings_.steering, 0.5 * dt).angle;
-  steering_ = Steer(steering_, target_angle_, settings_.steering, dt);
+  Twist target{target_speed_, 0.0, target_angle_};
+  if (actuator_) target = actuator_->Arrive(target, dt);
+  VelocityChange rolling = settings_.linear.Approach({speed_, 0.0}, {target.vx, 0.0}, dt);
+  const auto steered_for = [&, from = steering_](double time) {
+    return Steer(from, target.omega, settings_.steering, time);
+  };
+  double halfway = steered_for(0.5 * dt).angle;
+  steering_ = steered_for(dt);
   speed_ = rolling.reached.x;
-  motion_.Begin(body, TwistAt(rolling.mean.x, halfway), dt);
+  if (actuator_) {
+    VelocityChange none;
+    actuator_->Follow(rolling, none, dt);
+    const double first = actuator_->Steer(steered_for(0.25 * dt).angle, halfway, 0.5 * dt);
+    actuator_->Steer(steered_for(0.75 * dt).angle, steering_.angle, 0.5 * dt);
+    halfway = first;
+  }
+  const Twist mean = TwistAt(rolling.mean.x, halfway);
+  if (actuator_) actuator_->Roll(mean);
+  motion_.Begin(body, mean, dt, actuator_.grip());
 }
 
 void TricycleDrive::EndStep(b2Body& body) {
-  motion_.End(body, TwistAt(speed_, steering_.angle));
+  motion_.End(body, TwistAt(speed(), steer_angle()), actuator_.grip());
   if (front_wheel_ == nullptr) return;
   const bool wheel_is_b = front_wheel_->GetBodyA() == &body;
   b2Body& wheel = wheel_is_b ? *front_wheel_->GetBodyB() : *front_wheel_->GetBodyA();
-  double angle = heading_ + steering_.angle;
+  double angle = heading_ + steer_angle();
   if (front_wheel_->IsLimitEnabled()) {  // of b's angle minus a's, whole rotations included
     const double lower =
         wheel_is_b ? front_wheel_->GetLowerLimit() : -front_wheel_->GetUpperLimit();

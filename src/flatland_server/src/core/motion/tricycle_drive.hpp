@@ -5,8 +5,10 @@
 #include <box2d/box2d.h>
 
 #include <limits>
+#include <optional>
 
 #include "base/geometry.hpp"
+#include "motion/actuator.hpp"
 #include "motion/arc_motion.hpp"
 #include "motion/dynamics_limits.hpp"
 #include "motion/steering.hpp"
@@ -18,6 +20,7 @@ struct TricycleSettings {
   double max_steer_angle = 0.0;  ///< of the magnitude of the steering angle [rad]; 0 is no limit
   DynamicsLimits linear;         ///< of the front wheel's speed [m/s, m/s^2]
   DynamicsLimits steering;       ///< of the steering rate [rad/s, rad/s^2]
+  std::optional<ActuatorSettings> actuator{};
 };
 
 /// The drive of one body. The front wheel rolls in its own direction, and the rear axle does not
@@ -34,17 +37,27 @@ class TricycleDrive {
   /// std::invalid_argument if one is not finite.
   void Command(double speed, double angle);
   /// Present speed of the front wheel [m/s].
-  double speed() const { return speed_; }
+  double speed() const { return actuator_ ? actuator_->velocity().vx : speed_; }
   /// Present steering angle [rad], positive to the left.
-  double steer_angle() const { return steering_.angle; }
+  double steer_angle() const { return actuator_ ? actuator_->velocity().omega : steering_.angle; }
+  OptionalActuator& actuator() { return actuator_; }
+  /// The greatest speed and yaw rate that it may have in the next step.
+  Fastest GetFastest() const;
   /// Sets the speed, the steering rate and the commanded speed to zero at once; the steering angle
   /// stays.
   void Reset();
+  /// To be called when the body was moved.
+  void Rebase() { motion_.Rebase(); }
+  /// Begins other random numbers, of the actuators' noise.
+  void Seed(uint64_t key) {
+    if (actuator_) actuator_->Seed(key);
+  }
 
   /// Called for each joint that another one has taken the place of, or null: it is destroyed. If it
   /// is the front wheel's, that is not rotated any more.
   void Replace(const b2Joint* joint, b2Joint* other) {
     if (joint == front_wheel_) front_wheel_ = static_cast<b2RevoluteJoint*>(other);
+    if (actuator_) actuator_->Replace(joint, other);
   }
 
   /// Takes all but the joint of another one.
@@ -62,7 +75,18 @@ class TricycleDrive {
   /// Writes or reads what it keeps from step to step; see archive.hpp.
   template <class Archive>
   void Serialize(Archive& archive) {
-    archive(target_speed_, target_angle_, speed_, steering_.angle, steering_.rate, motion_);
+    archive(target_speed_, target_angle_, speed_, steering_.angle, steering_.rate, motion_,
+            actuator_);
+  }
+  /// Calls `visit` with all that steps change and that can be copied byte by byte.
+  template <class Visit>
+  void ForEachPart(Visit visit) {
+    visit(target_speed_);
+    visit(target_angle_);
+    visit(speed_);
+    visit(steering_);
+    visit(motion_);
+    if (actuator_) actuator_->ForEachPart(visit);
   }
 
  private:
@@ -76,9 +100,10 @@ class TricycleDrive {
   double heading_ = 0.0;       // forward direction, in the body's frame [rad]
   double target_speed_ = 0.0;  // [m/s]
   double target_angle_ = 0.0;  // [rad]
-  double speed_ = 0.0;         // [m/s]
-  SteeringState steering_;
+  double speed_ = 0.0;         // within the limits [m/s]
+  SteeringState steering_;     // likewise
   ArcMotion motion_;
+  OptionalActuator actuator_;
 
   /// Of the last `TwistAt`; a tricycle seldom steers.
   struct {

@@ -8,10 +8,10 @@
 ///
 /// Method: each subscriber to a topic has a queue. A message is only added; `Outbox::Send` sends
 /// all queues that have some, each in one call of the system, as far as its socket takes them
-/// without waiting. What a socket does not take stays: the oldest are dropped if there are more than
-/// `limit`, except those that have waited for less than `patience`: a subscriber that keeps up may
-/// need it before the system runs it again. One thread for all queues waits until such sockets have room, and sends the rest. None
-/// of this needs Python's lock.
+/// without waiting. What a socket does not take stays: the oldest are dropped if there are more
+/// than `limit`, except those that have waited for less than `patience`: a subscriber that keeps up
+/// may need it before the system runs it again. One thread for all queues waits until such sockets
+/// have room, and sends the rest. None of this needs Python's lock.
 
 #include <chrono>
 #include <cstddef>

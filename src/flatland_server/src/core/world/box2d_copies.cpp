@@ -41,6 +41,18 @@ b2Joint* CopyJoint(b2World& world, b2Joint& old, b2Body* a, b2Body* b) {
     definition.damping = weld.GetDamping();
     return world.CreateJoint(&definition);
   }
+  if (old.GetType() == e_frictionJoint) {
+    const auto& friction = static_cast<b2FrictionJoint&>(old);
+    b2FrictionJointDef definition;
+    definition.bodyA = a;
+    definition.bodyB = b;
+    definition.collideConnected = old.GetCollideConnected();
+    definition.localAnchorA = friction.GetLocalAnchorA();
+    definition.localAnchorB = friction.GetLocalAnchorB();
+    definition.maxForce = friction.GetMaxForce();
+    definition.maxTorque = friction.GetMaxTorque();
+    return world.CreateJoint(&definition);
+  }
   const auto& hinge = static_cast<b2RevoluteJoint&>(old);
   b2RevoluteJointDef definition;
   definition.bodyA = a;

@@ -42,6 +42,14 @@ struct WeldInternals : b2WeldJoint {
   static b2Vec3& Impulse(b2WeldJoint& joint) { return joint.*(&WeldInternals::m_impulse); }
 };
 
+struct FrictionInternals : b2FrictionJoint {
+  using Joint = b2FrictionJoint;
+  static b2Vec2& Impulse(Joint& joint) { return joint.*(&FrictionInternals::m_linearImpulse); }
+  static float& AngularImpulse(Joint& joint) {
+    return joint.*(&FrictionInternals::m_angularImpulse);
+  }
+};
+
 /// Defines Member(Tag()), the pointer to a private member.
 template <class Tag, typename Tag::Pointer member>
 struct DefineMember {

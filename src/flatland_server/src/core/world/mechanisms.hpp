@@ -58,9 +58,30 @@ struct Mechanisms {
     visit(tweens);
     visit(drifts);
   }
+  /// Calls `visit(body, drive)` for each drive, of any type.
+  template <class Visit>
+  void ForEachDrive(Visit visit) {
+    const auto visit_one = [&](auto, auto& mounted) { visit(mounted.body, mounted.mechanism); };
+    drives.ForEach(visit_one);
+    tricycles.ForEach(visit_one);
+  }
+  /// The same for those on a body.
+  template <class Visit>
+  void ForEachDriveOn(Bodies::Body body, Visit visit) {
+    ForEachDrive([&](Bodies::Body driven, auto& drive) {
+      if (driven.index == body.index) visit(drive);
+    });
+  }
+  /// Calls `visit(body, actuator)` for each drive that has actuators.
+  template <class Visit>
+  void ForEachActuator(Visit visit) {
+    ForEachDrive([&](Bodies::Body body, auto& drive) {
+      if (drive.actuator()) visit(body, *drive.actuator().get());
+    });
+  }
   /// To be called when a joint has taken the place of another one, or null: it is destroyed.
   void ReplaceJoint(const b2Joint* joint, b2Joint* other) {
-    tricycles.ForEach([&](auto, auto& mounted) { mounted.mechanism.Replace(joint, other); });
+    ForEachDrive([&](auto, auto& drive) { drive.Replace(joint, other); });
   }
 };
 

@@ -3,6 +3,9 @@
 
 #include "world/world.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/box2d_limits.hpp"
 #include "base/to_box2d.hpp"
 #include "world/box2d_internals.hpp"
@@ -35,6 +38,41 @@ World::~World() = default;
 
 void World::Step(double dt, const AccessGuard&) {
   Require(IsUsable(dt) && dt >= kMinStep, "a step must be finite and longer than zero");
+  const int parts = PartsOf(dt);
+  if (parts == 1) return StepOnce(dt);
+  world_->SetAutoClearForces(false);                    // a force is that of the whole step
+  const double nanoseconds = std::nearbyint(dt * 1e9);  // drives and drifts count whole ones
+  const auto end_of = [=](int part) { return std::floor(nanoseconds * part / parts); };
+  for (int i = 0; i < parts; ++i) StepOnce((end_of(i + 1) - end_of(i)) * 1e-9);
+  world_->ClearForces();
+  world_->SetAutoClearForces(true);
+}
+
+int World::PartsOf(double dt) {
+  const double way = double{b2_maxTranslation} / dt, turn = double{b2_maxRotation} / dt;
+  double most = 1.0;  // times that of one step
+  const auto consider = [&](double speed, double omega) {
+    most = std::max({most, speed / way, omega / turn});
+  };
+  for (const BodyRecord* record : bodies_.Moving()) {
+    const b2Vec2 velocity = record->body->GetLinearVelocity();
+    const double squared = b2Dot(velocity, velocity);
+    const double omega = std::abs(record->body->GetAngularVelocity());
+    if (squared > way * way || omega > turn) consider(std::sqrt(squared), omega);
+  }
+  mechanisms_.ForEachDrive([&](Body body, const auto& drive) {
+    const auto [squared, omega] = drive.GetFastest();
+    if (4.0 * squared <= way * way && 2.0 * omega <= turn) return;
+    const double arm = bodies_.Get(body).body->GetLocalCenter().Length();
+    consider(std::sqrt(squared) + omega * arm, omega);
+  });
+  if (most == 1.0) return 1;
+  // Each of a nanosecond or more.
+  const double parts = std::min({std::ceil(most * (1.0 + 1e-6)), double{kMostParts}, dt * 1e9});
+  return std::max(1, static_cast<int>(parts));
+}
+
+void World::StepOnce(double dt) {
   bodies_.ChangePoses();
   const auto for_each = [this](auto visit) {
     mechanisms_.ForEachMap([&](auto& map) {

@@ -176,7 +176,7 @@ class World : public Access, private b2DestructionListener {
   Joint AddWeld(Body a, Body b, const WeldSettings& settings);
   /// True if the joint still exists: until one of its bodies is removed.
   bool Contains(Joint joint) const { return joints_.Contains(joint); }
-  int joint_count() const { return world_->GetJointCount(); }
+  int joint_count() const { return world_->GetJointCount() - grip_count(); }
   /// Angle of b minus that of a, minus a weld's reference angle, within [-pi, pi] [rad].
   double GetJointAngle(Joint joint) const;
   /// The rate of that angle [rad/s].
@@ -198,7 +198,8 @@ class World : public Access, private b2DestructionListener {
   // ---- Drives, tweens and drifts ----
 
   /// Drives the body at commanded velocities. The limits are in m/s and m/s^2, rad/s and rad/s^2.
-  Drive AddDrive(Body body, const DynamicsLimits& linear, const DynamicsLimits& angular);
+  Drive AddDrive(Body body, const DynamicsLimits& linear, const DynamicsLimits& angular,
+                 const std::optional<ActuatorSettings>& actuator = std::nullopt);
   /// Drives the body as a tricycle. `front_wheel`, a revolute joint of the body, holds the body of
   /// the front wheel, which is rotated to show the steering angle.
   Tricycle AddTricycle(Body body, Joint front_wheel, const TricycleSettings& settings);
@@ -240,6 +241,9 @@ class World : public Access, private b2DestructionListener {
 
   // ---- Stepping ----
 
+  /// Box2D moves no body by more than 2 m in a step, and turns none by more than pi / 2. A step in
+  /// which one will be faster is divided into equal parts, kMostParts at most.
+  static constexpr int kMostParts = 32;
   /// Advances the simulation by `dt` [s], 1e-9 or more.
   void Step(double dt) { Step(dt, AccessGuard(*this)); }
   void Step(double dt, const AccessGuard& guard);
@@ -270,6 +274,9 @@ class World : public Access, private b2DestructionListener {
   friend class WorldBatch;
   friend struct WorldState;
 
+  /// The number of parts of a step.
+  int PartsOf(double dt);
+  void StepOnce(double dt);
   b2Body& Find(Body body) const;
   b2Fixture& Find(Fixture fixture) const;
   /// The layer that a fixture is a wall of, or null.
@@ -296,6 +303,20 @@ class World : public Access, private b2DestructionListener {
     ApplyOrDefer(bodies_.HandleOf(*hinge.GetBodyB()), [&hinge, apply](b2Body&) { apply(hinge); });
   }
   Joint AddJoint(const b2JointDef& definition);
+  /// Adds a belt for a drive of limited force; null if it has no limits.
+  b2FrictionJoint* AddBelt(Body body, const std::optional<ActuatorSettings>& actuator);
+  /// Calls `visit(body, grip)` for each drive of limited force.
+  template <class Visit>
+  void ForEachGrip(Visit visit) const {
+    const_cast<Mechanisms&>(mechanisms_).ForEachActuator([&](Body body, Actuator& actuator) {
+      if (const Grip* grip = actuator.grip()) visit(body, *grip);
+    });
+  }
+  int grip_count() const {
+    int count = 0;
+    ForEachGrip([&](Body, const Grip&) { ++count; });
+    return count;
+  }
   /// A copy that is in a state of this world.
   std::unique_ptr<World> Copy(const WorldState& state) const;
   void SayGoodbye(b2Joint* joint) override;

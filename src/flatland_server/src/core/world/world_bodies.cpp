@@ -24,7 +24,9 @@ World::Body World::AddLayer(std::vector<Segment> walls, LayerBits layers,
   return layers_->Add(*world_, std::move(walls), layers, progress);
 }
 
-int World::body_count() const { return world_->GetBodyCount() - layers_->held_body_count(); }
+int World::body_count() const {
+  return world_->GetBodyCount() - layers_->held_body_count() - grip_count();
+}
 
 int World::held_wall_count() const { return layers_->held_wall_count(); }
 
@@ -48,6 +50,12 @@ World::Body World::AddBody(const BodySettings& settings) {
 }
 
 void World::RemoveBody(Body body) {
+  Find(body);
+  std::vector<Body> belts;
+  ForEachGrip([&](Body driven, const Grip& grip) {
+    if (driven.index == body.index) belts.push_back(bodies_.HandleOf(*grip.belt()));
+  });
+  for (const Body& belt : belts) RemoveBody(belt);
   const AccessGuard guard(*this);
   BodyRecord& record = bodies_.Get(body);
   Require(!record.is_layer, "a layer cannot be removed");
@@ -86,6 +94,7 @@ void World::SetPose(Body body, const Pose& pose) {
   SetOriginVelocity(found, velocity);
   found.SetAwake(true);
   mechanisms_.tweens.ForEachOn(body, [&](auto, BodyTween& tween) { tween.Rebase(PoseOf(found)); });
+  mechanisms_.ForEachDriveOn(body, [](auto& drive) { drive.Rebase(); });
 }
 
 Twist World::GetVelocity(Body body) const {
@@ -117,8 +126,7 @@ void World::Halt(Body body) {
   b2Body& found = Find(body);
   found.SetLinearVelocity(b2Vec2_zero);
   found.SetAngularVelocity(0.0f);
-  mechanisms_.drives.ForEachOn(body, [](auto, BodyDrive& drive) { drive.Reset(); });
-  mechanisms_.tricycles.ForEachOn(body, [](auto, TricycleDrive& drive) { drive.Reset(); });
+  mechanisms_.ForEachDriveOn(body, [](auto& drive) { drive.Reset(); });
 }
 
 Vec2 World::ToWorldPoint(Body body, Vec2 point) const {

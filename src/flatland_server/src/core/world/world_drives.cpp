@@ -11,23 +11,42 @@ constexpr char kNotALayer[] = "a layer cannot be moved";
 
 }  // namespace
 
-World::Drive World::AddDrive(Body body, const DynamicsLimits& linear,
-                             const DynamicsLimits& angular) {
+b2FrictionJoint* World::AddBelt(Body body, const std::optional<ActuatorSettings>& actuator) {
+  if (!actuator || !actuator->force) return nullptr;
+  Require(GetInertia(body) > 0.0,
+          "a drive of limited force needs a dynamic body with a moment of inertia");
+  BodySettings settings;
+  settings.type = b2_kinematicBody;
+  b2FrictionJointDef definition;
+  definition.bodyB = &Find(body);
+  definition.localAnchorB = definition.bodyB->GetLocalCenter();
+  definition.bodyA = &Find(AddBody(settings));
+  definition.collideConnected = true;
+  return static_cast<b2FrictionJoint*>(joints_.Get(AddJoint(definition)));
+}
+
+World::Drive World::AddDrive(Body body, const DynamicsLimits& linear, const DynamicsLimits& angular,
+                             const std::optional<ActuatorSettings>& actuator) {
   Find(body);
-  const AccessGuard guard(*this);
+  RequireIdle();
   Require(!bodies_.Get(body).is_layer, kNotALayer);
-  return mechanisms_.drives.Add({body, BodyDrive(linear, angular)});
+  BodyDrive drive(linear, angular, actuator);
+  if (b2FrictionJoint* belt = AddBelt(body, actuator)) drive.actuator()->AddGrip(belt);
+  const AccessGuard guard(*this);
+  return mechanisms_.drives.Add({body, std::move(drive)});
 }
 
 World::Tricycle World::AddTricycle(Body body, Joint front_wheel, const TricycleSettings& settings) {
   const b2Body& base = Find(body);
-  const AccessGuard guard(*this);
+  RequireIdle();
   b2Joint* joint = joints_.Get(front_wheel);
   Require(joint->GetType() == e_revoluteJoint &&
               (joint->GetBodyA() == &base || joint->GetBodyB() == &base),
           "the front wheel's joint must be a revolute joint of the driven body");
-  return mechanisms_.tricycles.Add(
-      {body, TricycleDrive(settings, static_cast<b2RevoluteJoint*>(joint))});
+  TricycleDrive drive(settings, static_cast<b2RevoluteJoint*>(joint));
+  if (b2FrictionJoint* belt = AddBelt(body, settings.actuator)) drive.actuator()->AddGrip(belt);
+  const AccessGuard guard(*this);
+  return mechanisms_.tricycles.Add({body, std::move(drive)});
 }
 
 World::Tween World::AddTween(Body body, const TweenSettings& settings) {
@@ -42,7 +61,11 @@ World::Drift World::AddDrift(Body body, const DriftVariances& variances, double 
                              uint64_t key) {
   const Pose start = GetPose(body);
   const AccessGuard guard(*this);
-  return mechanisms_.drifts.Add({body, BodyDrift(variances, period, key, start)});
+  const Actuator* wheels = nullptr;
+  mechanisms_.ForEachActuator([&](Body driven, Actuator& actuator) {
+    if (driven.index == body.index && actuator.may_slip()) wheels = &actuator;
+  });
+  return mechanisms_.drifts.Add({body, BodyDrift(variances, period, key, start, wheels)});
 }
 
 Pose World::GetEstimate(Drift drift) const {

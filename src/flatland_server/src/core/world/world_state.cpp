@@ -21,7 +21,7 @@
 namespace flatland {
 namespace {
 
-constexpr uint32_t kFormat = 3;
+constexpr uint32_t kFormat = 4;
 
 // ---- Reading the state of Box2D's objects ----
 
@@ -65,6 +65,14 @@ JointState StateOf(b2Joint& joint) {
     const b2Vec3 impulse = box2d::WeldInternals::Impulse(static_cast<b2WeldJoint&>(joint));
     return {{impulse.x, impulse.y, impulse.z, 0.0f, 0.0f}};
   }
+  if (joint.GetType() == e_frictionJoint) {
+    auto& friction = static_cast<b2FrictionJoint&>(joint);
+    const b2Vec2 impulse = box2d::FrictionInternals::Impulse(friction);
+    const float angular = box2d::FrictionInternals::AngularImpulse(friction);
+    JointState state{{impulse.x, impulse.y, angular, friction.GetMaxForce(), 0.0f}};
+    state.max_torque = friction.GetMaxTorque();
+    return state;
+  }
   using Internals = box2d::RevoluteInternals;
   auto& hinge = static_cast<b2RevoluteJoint&>(joint);
   const b2Vec2 impulse = Internals::Impulse(hinge);
@@ -83,6 +91,14 @@ void RestoreJoint(b2Joint& joint, const JointState& state) {
   if (joint.GetType() == e_weldJoint) {
     box2d::WeldInternals::Impulse(static_cast<b2WeldJoint&>(joint)) = {impulses[0], impulses[1],
                                                                        impulses[2]};
+    return;
+  }
+  if (joint.GetType() == e_frictionJoint) {
+    auto& friction = static_cast<b2FrictionJoint&>(joint);
+    box2d::FrictionInternals::Impulse(friction) = {impulses[0], impulses[1]};
+    box2d::FrictionInternals::AngularImpulse(friction) = impulses[2];
+    friction.SetMaxForce(std::max(impulses[3], 0.0f));
+    friction.SetMaxTorque(state.max_torque);
     return;
   }
   using Internals = box2d::RevoluteInternals;

@@ -73,7 +73,8 @@ struct BodyState {
   }
 };
 
-/// Of a weld: the impulses alone.
+/// Of a weld: the impulses alone; of friction, two of them, the angular one, and the limits of the
+/// force and the torque.
 struct JointState {
   std::array<float, 5> impulses{};  // the solver's
   bool has_limits = false;

@@ -270,6 +270,11 @@ class Model(Entity):
         return self.base.pose.compose(self.base.config.pose.inverse()).wrapped()
 
     @property
+    def is_away(self) -> bool:
+        """Whether it is a recorded person who has not come yet, or has gone."""
+        return self.base.pose.x >= _core.AWAY
+
+    @property
     def radius(self) -> float:
         """The greatest distance [m] of a point of its footprints to its origin, as they are now."""
         origin = self.pose[:2]

@@ -21,6 +21,9 @@ class CoreDrive(NamedTuple):
     a `Drive`, or the speed and the steering angle of a `Tricycle`. The others are 0."""
     limits: Tuple[float, ...]
     """The greatest magnitude of each value; 0 is no limit."""
+    is_random: bool = False
+    """True if its actuators have noise, with the first number of the plugin's `rng` as the key.
+    Each environment of a batch gets the key of its own seed."""
 
 
 class CoreLidar(NamedTuple):

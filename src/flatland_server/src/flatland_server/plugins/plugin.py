@@ -141,7 +141,15 @@ class Plugin:
 
     @property
     def people(self) -> Sequence[Model]:
-        """The models that the plugin moves as people: sweeps measure distances from them."""
+        """The models that the plugin moves as people: sweeps measure distances from them.
+
+        Some of them may be away, see `Model.is_away`.
+        """
+        return ()
+
+    @property
+    def groups(self) -> Sequence[Sequence[Model]]:
+        """Those of its people who belong together, group by group."""
         return ()
 
     def get_frame_id(self, config: YamlReader, key: str, default: Any = REQUIRED) -> str:

@@ -54,6 +54,7 @@ def warn_of_traps(contents: WorldContents) -> None:
         is_robot = any(_overrides(each, "command") for each in plugins)
         if not _warn_of_size(entry, room):
             _warn_of_place(entry, model, before, is_robot)
+        _warn_of_mass(entry.model)
         warn_of_sensors(entry.model, plugins)
         before[model] = None
 
@@ -90,6 +91,14 @@ def _warn_of_size(entry: ModelEntry, room: _Room) -> bool:
     if is_far and entry.reader is not None:
         entry.reader.warn(f"expected metres, found a place {away:.4g} m outside the walls", "pose")
     return is_far
+
+
+def _warn_of_mass(config: ModelConfig) -> None:
+    """Warns of dynamic bodies without density, to which Box2D gives 1 kg, but no inertia."""
+    for body in config.bodies:
+        densities = [each.density for each in body.footprints]
+        if body.type == "dynamic" and densities and not any(densities) and body.reader is not None:
+            body.reader.warn("has 1 kg, and no push turns it: no footprint has a density")
 
 
 def _warn_of_place(

@@ -311,8 +311,9 @@ class WorldConfig:
             segments: these walls.
         """
         first, *rest = self.layers
-        own = replace(first, map="walls of an environment")
-        return replace(self, layers=(own, *rest), walls={**self.walls, own.map: segments})
+        map = "walls of an environment"
+        own = replace(first, map=map)
+        return replace(self, layers=(own, *rest), walls={**self.walls, map: segments})
 
     def walls_of(self, layer: LayerConfig) -> Segments:
         """The walls of a layer in the world [m]: shape (n, 4), x1, y1, x2, y2.

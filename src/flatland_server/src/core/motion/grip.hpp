@@ -1,0 +1,64 @@
+#pragma once
+
+/// The force between a drive's wheels and the floor, which is limited.
+
+#include <box2d/box2d.h>
+
+#include "base/geometry.hpp"
+
+namespace flatland {
+
+/// Limits of the force and the torque that a drive pushes its body with. 0 is no limit of its own.
+struct ForceLimits {
+  double max_force = 0.0;   ///< of the motors [N]
+  double max_torque = 0.0;  ///< about the centre of mass [N m]
+  double friction = 0.0;    ///< coefficient of the tyres: beyond it, wheels slip
+
+  explicit operator bool() const { return max_force > 0.0 || max_torque > 0.0 || friction > 0.0; }
+};
+
+/// Moves a body by a belt under it: a body without fixtures, at the velocity that the wheels want,
+/// and a friction joint, which pulls the driven body to that velocity with a limited force.
+///
+/// The limits are the lower ones of the motors and of friction, mu m g, with the mass m of the body
+/// and what is rigidly on it. A force at the radius of gyration, sqrt(I / m), is the torque that is
+/// possible; and the other way round, if the torque alone is limited.
+class Grip {
+ public:
+  Grip() = default;
+  Grip(const ForceLimits& limits, b2FrictionJoint* joint) : limits_(limits), joint_(joint) {}
+
+  explicit operator bool() const { return joint_ != nullptr; }
+  b2Body* belt() const { return joint_->GetBodyA(); }
+  /// Called for each joint that another one has taken the place of, or null: it is destroyed.
+  void Replace(const b2Joint* joint, b2Joint* other) {
+    if (joint == joint_) joint_ = static_cast<b2FrictionJoint*>(other);
+  }
+  b2FrictionJoint* joint() const { return joint_; }
+
+  /// Before a step: sets the limits for a body of this mass on its wheels [kg].
+  void Begin(const b2Body& body, double mass_on_wheels);
+  /// True if wheels spin or slide when the force, or the torque, is not enough; otherwise the
+  /// motors stall, and the wheels roll with the body.
+  bool slips() const { return slips_; }
+  bool spins() const { return spins_; }
+
+  /// Writes or reads what it keeps from step to step; see archive.hpp.
+  template <class Archive>
+  void Serialize(Archive& archive) {
+    archive(slips_, spins_);
+  }
+  template <class Visit>
+  void ForEachPart(Visit visit) {
+    visit(slips_);
+    visit(spins_);
+  }
+
+ private:
+  ForceLimits limits_;
+  b2FrictionJoint* joint_ = nullptr;
+  bool slips_ = false;
+  bool spins_ = false;
+};
+
+}  // namespace flatland
