@@ -39,7 +39,7 @@ show_help() { awk 'NR > 1 { if (!/^#/) exit; sub(/^# ?/, ""); print }' "$0"; }
 # no time. The settings ignore in which folder a clone lies, and allow precompiled headers.
 use_ccache() {
   if [[ -x /usr/bin/ccache ]]; then
-    export CMAKE_CXX_COMPILER_LAUNCHER=/usr/bin/ccache
+    export CMAKE_C_COMPILER_LAUNCHER=/usr/bin/ccache CMAKE_CXX_COMPILER_LAUNCHER=/usr/bin/ccache
     export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
   fi
 }

@@ -6,10 +6,10 @@ from unittest import mock
 import rospy
 
 from flatland_navigation.parameters import NodeParameters
-from flatland_server.ros.server_config import ServerConfig
+from flatland_server.ros.server_parameters import read_config
 
 READERS: Dict[str, Callable[[], Any]] = {
-    "flatland_server": ServerConfig.read,
+    "flatland_server": read_config,
     "navigator": NodeParameters.read,
 }
 """The function that reads a node's parameters, by node."""

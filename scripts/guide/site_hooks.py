@@ -16,6 +16,7 @@ LINK = re.compile(r"(!?)\[([^\]]+)\]\(((?!\w+:)[^)#\s]+)((?:#[^)]*)?)\)")
 COMMENT = re.compile(r"^<!-- (?!file: ).*?-->\n", re.MULTILINE)  # but not in a file's block
 BOOSTS = {
     "how_do_i": 4.0,
+    "ros2": 6.0,
     "reference/python/": 0.1,
     "reference/messages": 0.3,
     "how_it_works/": 0.3,

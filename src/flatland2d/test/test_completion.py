@@ -51,7 +51,7 @@ def test_tab_offers_arguments_values_commands_options_and_worlds(offers, tmp_pat
         "static_tf:=",
         "run scripts/run show_viz := ''": "true false",
         "run scripts/run world_path := ''": "mine.yaml",
-        "run scripts/run m": "models:= map_to_odom:= mine.yaml",
+        "run scripts/run m": "map:= models:= map_to_odom:= mine.yaml",
         "roslaunch roslaunch flatland_server server.launch use": "use_rviz:=",
         "flatland flatland check --r": "--render",
         "rosrun rosrun flatland2d flatland r": "recover render run",

@@ -2,7 +2,6 @@
 
 import base64
 import json
-import queue
 import struct
 import subprocess
 import sys
@@ -11,9 +10,6 @@ import numpy as np
 import pytest
 from bridge_clients import Client, replace_service, running
 from test_foxglove import Viewer
-
-from flatland_bridge.call_topics import CALLS, RESPONSES, CallTopics
-from flatland_server import messages
 
 
 def test_a_client_sees_topics_types_and_services(client):
@@ -246,19 +242,20 @@ def test_roslibpy_lists_subscribes_publishes_and_calls(world):
 def test_a_service_that_breaks_down_is_answered_in_each_protocol(server, client, monkeypatch):
     replace_service(monkeypatch, server, "/pause", lambda request: 1 / 0)
     expected = "/pause has failed: ZeroDivisionError('division by zero')"
-    viewer, topics, answers = Viewer(server), CallTopics(server.graph), queue.Queue()
+    viewer = Viewer(server)
 
     response = client.call("/pause")
     call = struct.pack("<BIII", 2, viewer.services["/pause"]["id"], 7, 4) + b"json{}"
     viewer.socket.send(call)
-    topics.subscribe(RESPONSES, answers.put)
-    topics.publish(CALLS, messages.get("std_msgs/String")('{"service": "/pause"}'))
 
     assert (response["result"], response["values"]) == (False, expected)
     assert viewer.receive_text("serviceCallFailure")["message"] == expected
-    answer = json.loads(answers.get(timeout=20).message.data)
-    assert (answer["result"], answer["values"]) == (False, expected)
-    topics.close()
+
+
+def test_a_client_that_comes_in_a_pause_gets_the_time(client):
+    client.call("/step", steps=3)
+
+    assert client.subscribed("/clock").next_of("/clock")["clock"]["nsecs"] == 15_000_000
 
 
 def test_nodes_are_found_by_what_they_offer(client):

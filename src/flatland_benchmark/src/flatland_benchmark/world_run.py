@@ -8,9 +8,10 @@ import time
 from pathlib import Path
 from typing import Callable, List
 
+from flatland_server.hub.server_config import positive_param
 from flatland_server.ros.launch_arguments import check_launch_arguments, parent_command_line
 from flatland_server.ros.server import run_node
-from flatland_server.ros.server_config import positive_param
+from flatland_server.ros.server_parameters import param
 from flatland_server.simulation.simulation_manager import SimulationManager
 
 DURATION = 20.0
@@ -26,7 +27,8 @@ def run_world(launch_files: List[Path]) -> int:
     check_launch_arguments(launch_files, parent_command_line())
 
     def simulate(manager: SimulationManager, goes_on: Callable[[], bool]) -> None:
-        print(measure(manager, positive_param("~benchmark_duration", DURATION), goes_on))
+        duration = positive_param(param, "~benchmark_duration", DURATION)
+        print(measure(manager, duration, goes_on))
 
     return run_node("flatland_benchmark", simulate)
 

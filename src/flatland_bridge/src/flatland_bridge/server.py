@@ -1,6 +1,7 @@
 """A world that is simulated in this process, for clients of all protocols: `flatland serve`."""
 
 import ctypes
+import math
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, suppress
 from os import PathLike
@@ -23,7 +24,7 @@ from flatland_server.simulation.wall_timekeeper import WallTimekeeper
 from flatland_server.timekeeper import Timekeeper
 
 if TYPE_CHECKING:
-    from flatland_bridge.dds_server import DdsServer
+    from flatland_bridge.ros2.node import Ros2Node
 
 ROSBRIDGE, FOXGLOVE = "rosbridge", "Foxglove"
 
@@ -84,18 +85,29 @@ def _return_large_blocks() -> None:
         ctypes.CDLL(None).mallopt(_MMAP_THRESHOLD, _LARGE_BLOCK)
 
 
-def _dds_server(graph: Graph, access: Access, distribution: str) -> "DdsServer":
-    """Serves nodes of ROS 2, until it is closed."""
+def open_ros2(access: Access, arguments: Sequence[str] = (), cmd_vel_type: str = "") -> "Ros2Node":
+    """A node of ROS 2, for `Server`.
+
+    Args:
+        access: who may connect.
+        arguments: as for `Ros2Node`.
+        cmd_vel_type: as for `Ros2Node`.
+
+    Raises:
+        FlatlandError: it cannot be had.
+    """
     try:
-        from flatland_bridge.dds_server import DdsServer
+        from flatland_bridge.ros2.node import Ros2Node
     except ImportError as error:
         if error.name is None or error.name.startswith("flatland"):
             raise
-        raise MissingPackageError(f"--ros2 needs {error.name}: {pip_install('ros2')}") from None
+        wanted = pip_install("ros2-jazzy")
+        raise MissingPackageError(
+            f"ROS 2 needs {error.name}: source a ROS 2 first, or {wanted} (or ros2-kilted)"
+        ) from None
     if access.token is not None:
-        raise BridgeError("DDS has no token: leave out either --token or --ros2")
-    address = "" if access.host in ("0.0.0.0", "::", "") else access.host
-    return DdsServer(graph, None if access.is_local else address, distribution)
+        raise BridgeError("ROS 2 has no token: leave out either --token or --ros2")
+    return Ros2Node(arguments, cmd_vel_type, only_here=access.is_local)
 
 
 class Server:
@@ -111,20 +123,20 @@ class Server:
         state_folder: where clients may save and load states; by default they cannot.
         is_paused: whether it begins with a pause.
         access: who may connect.
-        rosbridge_port: of rosbridge and the page; 0 takes a free one.
+        rosbridge_port: of rosbridge and the page; 0 takes a free one, None serves ROS 2 alone.
         foxglove_port: of Foxglove; 0 takes a free one, None serves no Foxglove.
         client_memory: bytes that are kept for each client; beyond them it is disconnected.
         wall_clock_stamps: whether stamps are of real time, without /clock; the rate has to be 1.
         tf_by_namespace: whether transforms of robots in namespaces go to NAMESPACE/tf.
-        ros2: the distribution of the ROS 2 nodes that get the topics over DDS; None for no DDS.
-        with_history: whether states are kept for /seek.
-
-    Attributes:
-        dds: what serves ROS 2, if anything.
+        ros2: a node of ROS 2 that shows the topics and services; it is closed with the server.
+        simplify_map: as for `World.from_file`.
+        command_age: as for `SimulationManager`.
+        trusts_clients: whether clients may name any file, if there is no state folder.
+        hub: further options of `open_hub`.
 
     Raises:
         UsageError: stamps are of real time, and the rate is not 1.
-        FlatlandError: the world cannot be loaded, or a port or DDS cannot be used.
+        FlatlandError: the world cannot be loaded, or a port cannot be used.
     """
 
     def __init__(
@@ -139,13 +151,16 @@ class Server:
         state_folder: Optional[Path] = None,
         is_paused: bool = False,
         access: Access = Access(),  # noqa: B008 (immutable)
-        rosbridge_port: int = 9090,
+        rosbridge_port: Optional[int] = 9090,
         foxglove_port: Optional[int] = 8765,
         client_memory: int = CLIENT_MEMORY,
         wall_clock_stamps: bool = False,
         tf_by_namespace: bool = False,
-        ros2: Optional[str] = None,
-        with_history: bool = False,
+        ros2: "Optional[Ros2Node]" = None,
+        simplify_map: int = 0,
+        command_age: float = math.inf,
+        trusts_clients: bool = False,
+        **hub: Any,
     ) -> None:
         self.transport = SharedTransport(params)
         self.transport.tf_by_namespace = tf_by_namespace
@@ -153,26 +168,35 @@ class Server:
             world,
             self.transport,
             seed=seed,
-            simplify_map=0,
+            simplify_map=simplify_map,
             model_folders=model_folders,
             loader=None,
         )
         self._stack = ExitStack()
         with ExitStack() as stack:
             timekeeper = (WallTimekeeper if wall_clock_stamps else Timekeeper)(step_size)
-            self.manager = SimulationManager(opened, timekeeper, rate / timekeeper.step_size)
+            self.manager = SimulationManager(
+                opened, timekeeper, rate / timekeeper.step_size, command_age=command_age
+            )
             stack.callback(self.manager.close)
             stack.callback(set_stamp_offset, 0)  # for other simulations of this process
             self.manager.is_paused = is_paused
             name = str(world) if isinstance(world, (str, PathLike)) else None
-            self.graph = SimulatedGraph(self.manager, state_folder, name, with_history=with_history)
-            self.clients = serve_clients(
-                self.graph, rosbridge_port, foxglove_port, access, client_memory
+            self.graph = SimulatedGraph(
+                self.manager,
+                state_folder,
+                name,
+                trusts_clients=trusts_clients,
+                **hub,
             )
-            stack.callback(self.clients.close)
-            self.dds = None if ros2 is None else _dds_server(self.graph, access, ros2)
-            if self.dds is not None:
-                stack.callback(self.dds.close)
+            if rosbridge_port is not None:
+                self.clients = serve_clients(
+                    self.graph, rosbridge_port, foxglove_port, access, client_memory
+                )
+                stack.callback(self.clients.close)
+            if ros2 is not None:
+                stack.callback(ros2.close)
+                ros2.serve(self.graph)
             self._stack = stack.pop_all()
 
     def run(self, goes_on: Callable[[], bool]) -> None:

@@ -65,7 +65,7 @@ class SharedTransport(LocalTransport, ServedTransport):
         return super().subscribe(topic, message_type, partial(self.failures.catch, callback))
 
     def get_param(self, name: str, default: Any = None) -> Any:
-        return self.parameters.get(name, default)
+        return self.parameters.get(name.replace("~", f"{NODE}/"), default)
 
     def post(self, action: Callable[[], None], client: Hashable = None) -> None:
         """Queues an action for the simulation's thread.

@@ -41,7 +41,8 @@ class SimulatedGraph(Graph, Tap):
         manager: the simulation; its transport must be a `SharedTransport`.
         state_folder: where clients may save and load states; by default they cannot.
         world_name: under which clients find the first world, besides its path; if any.
-        with_history: whether states are kept for /seek.
+        trusts_clients: whether they may name any file, if there is no folder of states.
+        hub: further options of `open_hub`.
     """
 
     def __init__(
@@ -50,7 +51,8 @@ class SimulatedGraph(Graph, Tap):
         state_folder: Optional[Path] = None,
         world_name: Optional[str] = None,
         *,
-        with_history: bool = False,
+        trusts_clients: bool = False,
+        **hub: Any,
     ) -> None:
         assert isinstance(manager.transport, SharedTransport)
         self._transport = manager.transport
@@ -62,11 +64,13 @@ class SimulatedGraph(Graph, Tap):
         self._lock = threading.Lock()  # with which alone topics come and go there
         self._wanted: FrozenSet[str] = frozenset()  # topics, as the transport knows them
         self._transforms = TransformQueue()
-        files = _WorldsByName(
-            manager.world, state_folder or manager.world.config.model_folders[0], world_name
-        )
-        refused = ("save_state", "load_state", "save_world") if state_folder is None else ()
-        self._hub = open_hub(manager, files, with_history=with_history, refused=refused)
+        folder = state_folder
+        refused: Tuple[str, ...] = ()
+        if state_folder is None and not trusts_clients:
+            folder = manager.world.config.model_folders[0]
+            refused = ("save_state", "load_state", "save_world")
+        files = _WorldsByName(manager.world, folder, world_name)
+        self._hub = open_hub(manager, files, refused=refused, **hub)
         SimulationInterfaces(self._hub, files.worlds)
         self._services = {f"/{name}": each for name, each in self._hub.services.items()}
         self._topics_timer = RealTimeTimer(_TOPICS_PERIOD)
@@ -224,9 +228,9 @@ class _WorldsByName(ClientFiles):
         name: of the present world, besides its path; if any.
     """
 
-    def __init__(self, world: World, state_folder: Path, name: Optional[str]) -> None:
+    def __init__(self, world: World, state_folder: Optional[Path], name: Optional[str]) -> None:
         super().__init__(world, state_folder)
-        self._folder = state_folder.absolute()
+        self._folder = Path() if state_folder is None else state_folder.absolute()
         path = world.config.path
         self._first = {} if path is None else {str(path.absolute()): path, str(path): path}
         if path is not None and name is not None:

@@ -34,7 +34,11 @@ class OdometryConfig:
 
     @classmethod
     def read(
-        cls, config: YamlReader, enable_twist_pub: bool = True, enable_odom_tf_pub: bool = True
+        cls,
+        config: YamlReader,
+        enable_twist_pub: bool = True,
+        enable_odom_tf_pub: bool = True,
+        odom_pub: str = "odometry/filtered",
     ) -> "OdometryConfig":
         """Reads the keys, as documented, from a drive's configuration.
 
@@ -42,11 +46,12 @@ class OdometryConfig:
             config: of the drive.
             enable_twist_pub: the default of that key.
             enable_odom_tf_pub: the default of that key.
+            odom_pub: the default of that key.
         """
         pose_noise = config.get_floats("odom_pose_noise", 3, _NO_NOISE, minimum=0.0)
         twist_noise = config.get_floats("odom_twist_noise", 3, _NO_NOISE, minimum=0.0)
         return cls(
-            odom_pub=config.get_topic("odom_pub", "odometry/filtered"),
+            odom_pub=config.get_topic("odom_pub", odom_pub),
             ground_truth_pub=config.get_topic("ground_truth_pub", "odometry/ground_truth"),
             twist_pub=config.get_topic("twist_pub", "twist"),
             enable_odom_pub=config.get_bool("enable_odom_pub", True),

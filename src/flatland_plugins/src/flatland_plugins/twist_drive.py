@@ -48,7 +48,10 @@ class TwistDrive(OdometryPlugin, ABC):
         pub_rate = config.get_rate("pub_rate", math.inf)
         self.read_frames(config)
         odometry = config.read_once(
-            OdometryConfig.read, self.publishes_twist, self.publishes_transform
+            OdometryConfig.read,
+            self.publishes_twist,
+            self.publishes_transform,
+            self.node.get_param("~odom_topic", "odometry/filtered"),
         )
         self._core_drive = self.add_drive(config, body)
 

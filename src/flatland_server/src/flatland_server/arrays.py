@@ -18,9 +18,11 @@ if TYPE_CHECKING:
     Int32Array = NDArray[np.int32]
     FloatArray = NDArray[np.float64]
     Float32Array = NDArray[np.float32]
+    Int8Array = NDArray[np.int8]
     UInt8Array = NDArray[np.uint8]
 else:
-    BoolArray = IntArray = Int32Array = FloatArray = Float32Array = UInt8Array = np.ndarray
+    BoolArray = IntArray = Int32Array = FloatArray = Float32Array = np.ndarray
+    Int8Array = UInt8Array = np.ndarray
     _Array = np.ndarray
     ArrayLike = Any
 

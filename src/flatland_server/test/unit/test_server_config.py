@@ -8,7 +8,8 @@ import rospy
 from rospkg import RosPack
 
 from flatland_server.exceptions import FlatlandError
-from flatland_server.ros.server_config import ServerConfig
+from flatland_server.hub.server_config import ServerConfig
+from flatland_server.ros.server_parameters import read_config
 
 
 @pytest.fixture
@@ -37,7 +38,7 @@ def read(monkeypatch):
             rospy, "resolve_name", lambda name: name.replace("~", "/robots/server/")
         )
         monkeypatch.setattr(rospy, "get_param_names", lambda: list(params))
-        return ServerConfig.read()
+        return read_config().server
 
     return read_with
 
@@ -58,8 +59,10 @@ def test_the_defaults_are_those_of_the_launch_file(read):
         tf_by_namespace=False,
         wall_clock_stamps=False,
         realtime_priority=True,
-        rospy_patches=True,
         map_to_odom=False,
+        map=False,
+        odom_topic="odometry/filtered",
+        initial_pose="",
         history=True,
         command_age=math.inf,
         models=(),

@@ -2,17 +2,15 @@
 
 import argparse
 import math
-import os
 import secrets
 import sys
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 from flatland2d.cli.arguments import Subparsers, add_world, positive, whole_from
 from flatland2d.cli.run import interrupts
 from flatland_server.exceptions import MissingPackageError
-
-_ROS2 = "jazzy"
 
 
 def add_parser(commands: Subparsers) -> None:
@@ -77,12 +75,20 @@ def add_parser(commands: Subparsers) -> None:
         help="where clients may save and load states; by default they cannot",
     )
     parser.add_argument(
-        "--ros2",
-        nargs="?",
-        const=_distribution(),
-        metavar="DISTRIBUTION",
-        help="for nodes of ROS 2, too, over DDS in the domain ROS_DOMAIN_ID; without a value those "
-        f"of the distribution ROS_DISTRO (default: {_ROS2})",
+        "--ros2", action="store_true", help="for nodes of ROS 2, too, in the domain ROS_DOMAIN_ID"
+    )
+    parser.add_argument(
+        "--cmd-vel-type",
+        choices=("Twist", "TwistStamped"),
+        default="",
+        help="of topics of commands in ROS 2 (default: as Nav2 of the distribution sends them)",
+    )
+    parser.add_argument(
+        "--ros-args",
+        nargs=argparse.REMAINDER,
+        default=[],
+        metavar="ARGUMENT",
+        help="all that follows is for ROS 2, such as -r /scan:=/lidar",
     )
     parser.add_argument(
         "--wall-clock-stamps",
@@ -126,37 +132,39 @@ def _execute(options: argparse.Namespace) -> int:
     if not access.is_local:
         known = "who knows the token" if token else "on the network"
         print(f"warning: everyone {known} can control the simulation", file=sys.stderr)
-    server = parts.Server(
-        options.world,
-        seed=options.seed,
-        step_size=options.step_size,
-        rate=options.rate,
-        params=dict(options.params),
-        model_folders=options.models,
-        state_folder=options.state_folder,
-        is_paused=options.paused,
-        access=access,
-        rosbridge_port=options.port,
-        foxglove_port=options.foxglove_port,
-        client_memory=options.client_memory * 1_000_000,
-        wall_clock_stamps=options.wall_clock_stamps,
-        tf_by_namespace=options.tf_by_namespace,
-        ros2=options.ros2,
-    )
-    with server, interrupts() as is_interrupted:
+    with ExitStack() as stack:
+        ros2 = None
+        if options.ros2 or options.ros_args:
+            ros_arguments = ["--ros-args", *options.ros_args]
+            ros2 = parts.open_ros2(access, ros_arguments, options.cmd_vel_type)
+            stack.callback(ros2.close)
+        server = stack.enter_context(
+            parts.Server(
+                options.world,
+                seed=options.seed,
+                step_size=options.step_size,
+                rate=options.rate,
+                params=dict(options.params),
+                model_folders=options.models,
+                state_folder=options.state_folder,
+                is_paused=options.paused,
+                access=access,
+                rosbridge_port=options.port,
+                foxglove_port=options.foxglove_port,
+                client_memory=options.client_memory * 1_000_000,
+                wall_clock_stamps=options.wall_clock_stamps,
+                tf_by_namespace=options.tf_by_namespace,
+                ros2=ros2,
+            )
+        )
+        is_interrupted = stack.enter_context(interrupts())
         print(f"page: {server.clients.url(parts.ROSBRIDGE, 'http')}")
         print(f"rosbridge: {server.clients.url(parts.ROSBRIDGE, 'ws')}")
         print(f"Foxglove: {server.clients.url(parts.FOXGLOVE, 'ws')}", flush=True)
-        if server.dds is not None:
-            print(f"ROS 2: domain {server.dds.domain}, {options.ros2}", flush=True)
+        if ros2 is not None:
+            print(f"ROS 2: domain {ros2.domain}, {ros2.distribution}", flush=True)
         server.run(lambda: not is_interrupted())
     return 0
-
-
-def _distribution() -> str:
-    """The distribution of ROS 2 in the environment, if there is one."""
-    has_ros2 = os.environ.get("ROS_VERSION") == "2"
-    return os.environ.get("ROS_DISTRO", _ROS2) if has_ros2 else _ROS2
 
 
 def _rate(text: str) -> float:

@@ -12,6 +12,7 @@ from flatland_server.hub.map_to_odom import MapToOdom
 from flatland_server.hub.marker_publisher import MarkerPublisher
 from flatland_server.hub.model_publisher import ModelPublisher
 from flatland_server.hub.model_services import ModelServices
+from flatland_server.hub.occupancy_map import OccupancyMap
 from flatland_server.hub.recent_log import RecentLog
 from flatland_server.hub.state_publisher import StatePublisher
 from flatland_server.hub.state_services import StateServices
@@ -31,6 +32,8 @@ def open_hub(
     view_rate: Optional[float] = 30.0,
     for_rviz: bool = False,
     map_to_odom: bool = True,
+    with_map: bool = False,
+    initial_pose: str = "",
     with_history: bool = False,
     control_period: Optional[float] = None,
     train_mode: bool = False,
@@ -45,6 +48,8 @@ def open_hub(
         view_rate: how often models are published [Hz of real time]; None for no viewers.
         for_rviz: whether each model has a topic of markers, and a handle to drag it.
         map_to_odom: whether identity stands in for a localiser.
+        with_map: whether the first layer is on /map.
+        initial_pose: name of the model that /initialpose moves, if it is not empty.
         with_history: whether states are kept for /seek.
         control_period: as for `StateServices`.
         train_mode: as for `StateServices`.
@@ -76,7 +81,9 @@ def open_hub(
     if map_to_odom:
         hub.map_to_odom = MapToOdom(hub.transport, lambda: hub.world.odometry_frames)
         hub.on_tick(hub.map_to_odom.update)
-    ModelServices(hub)
+    if with_map:
+        hub.on_tick(OccupancyMap(hub.world, hub.transport).update)
+    ModelServices(hub, initial_pose)
     StateServices(hub, control_period, train_mode)
     WorldSaving(hub)
     return hub

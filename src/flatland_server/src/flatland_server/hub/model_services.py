@@ -2,6 +2,7 @@
 
 import logging
 from contextlib import contextmanager
+from functools import partial
 from typing import Any, Callable, Dict, Iterator, List, Optional, TypeVar
 
 from flatland_server.exceptions import FlatlandError, ModelError, shortened
@@ -9,6 +10,8 @@ from flatland_server.geometry import Pose
 from flatland_server.hub.client_edits import Edit
 from flatland_server.hub.client_files import EntryError
 from flatland_server.hub.hub import Hub
+from flatland_server.hub.map_to_odom import FRAME_ID
+from flatland_server.messages.conversions import yaw_of
 from flatland_server.messages.message_types import get
 from flatland_server.messages.model_markers import preview
 from flatland_server.models.model import ModelText
@@ -33,9 +36,10 @@ class ModelServices:
 
     Args:
         hub: offers the services.
+        initial_pose: name of the model that the topic `initialpose` moves; empty if none.
     """
 
-    def __init__(self, hub: Hub) -> None:
+    def __init__(self, hub: Hub, initial_pose: str = "") -> None:
         self._world = hub.world
         self._edits = hub.edits
         self._transport = hub.transport
@@ -56,6 +60,12 @@ class ModelServices:
         hub.offer("undo", "std_srvs/Trigger", lambda _: self._revert("Undone", self._edits.undo))
         hub.offer("redo", "std_srvs/Trigger", lambda _: self._revert("Redone", self._edits.redo))
         hub.obey("move_model", "flatland_msgs/MoveModelMsg", self._obey_move)
+        if initial_pose:
+            hub.obey(
+                "initialpose",
+                "geometry_msgs/PoseWithCovarianceStamped",
+                partial(self._obey_initial_pose, initial_pose),
+            )
 
     def _spawn_model(self, request: Any) -> Dict[str, Any]:
         return {"message": self._spawn(lambda: self._read(request, self._file), self._add_one)}
@@ -152,6 +162,15 @@ class ModelServices:
         if edit is not None and message.name not in edit.before:
             edit = None
         self._streamed = self._edits.move(message.name, _to_pose(message.pose), edit)
+
+    def _obey_initial_pose(self, name: str, message: Any) -> None:
+        """Moves a model to a pose in the map, as a localiser is told where the robot is."""
+        frame = message.header.frame_id.lstrip("/")
+        if frame not in ("", FRAME_ID):
+            raise ModelError(f"expected a pose in {FRAME_ID}, found {shortened(frame)}")
+        pose = message.pose.pose
+        x, y, yaw = pose.position.x, pose.position.y, yaw_of(pose.orientation)
+        self._edits.move(name, Pose(x, y, yaw))
 
     def _revert(self, done: str, action: Callable[[], str]) -> Dict[str, Any]:
         def revert() -> str:

@@ -1,4 +1,4 @@
-"""Makes a layer of line segments from a map of map_server.
+"""Reads maps as map_server does: for its OccupancyGrid, and to make line segments of them.
 
 An image layer compares grey values with a threshold alone; here map_server's parameters apply:
 `negate`, `occupied_thresh` and `mode` (http://wiki.ros.org/map_server, section 1.2).
@@ -6,17 +6,21 @@ An image layer compares grey values with a threshold alone; here map_server's pa
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Optional
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
-from flatland_server.arrays import BoolArray, Segments
+from flatland_server.arrays import BoolArray, FloatArray, Int8Array, Segments
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import FlatlandError, YamlError
 from flatland_server.geometry import Pose
 from flatland_server.maps import wall_outlines
 from flatland_server.maps.map_reader import place, read_image, read_threshold
 from flatland_server.maps.simplify_outlines import simplify
+
+_FREE = 0.25
+"""The default of `free_thresh`, that of Nav2."""
+_FREE_CELL, _OCCUPIED, _UNKNOWN = 0, 100, -1
 
 if TYPE_CHECKING:  # Pillow is imported when an image is read
     from PIL import Image
@@ -32,7 +36,9 @@ class ServerMap:
         resolution: [m/px].
         origin: pose of the image's bottom left corner in the world.
         occupied_thresh: the occupancy, from 0 to 1, above which a pixel is a wall.
+        free_thresh: the occupancy below which a pixel is free.
         negate: whether white is occupied, instead of black.
+        is_scaled: whether pixels between free and occupied have a percentage: `mode: scale`.
     """
 
     path: Path
@@ -40,7 +46,9 @@ class ServerMap:
     resolution: float
     origin: Pose
     occupied_thresh: float
+    free_thresh: float
     negate: bool
+    is_scaled: bool
 
     @classmethod
     def from_file(cls, path: Path) -> "ServerMap":
@@ -54,20 +62,60 @@ class ServerMap:
         resolution = reader.get_float("resolution", above=0.0)
         origin = reader.get_pose("origin")
         occupied_thresh = read_threshold(reader)
-        reader.get_float("free_thresh", 0.0)  # between free and occupied is unknown, not a wall
+        free_thresh = reader.get_float("free_thresh", _FREE)
         negate = reader.get_choice("negate", ["0", "1", "false", "true"], "0") in ("1", "true")
-        reader.get_choice("mode", ["trinary", "scale"], "trinary")  # they differ in what is free
+        mode = reader.get_choice("mode", ["trinary", "scale"], "trinary")
         image = reader.get_path("image")
         reader.finish()
-        return cls(path, image, resolution, origin, occupied_thresh, negate)
+        return cls(
+            path,
+            image,
+            resolution,
+            origin,
+            occupied_thresh,
+            free_thresh,
+            negate,
+            is_scaled=mode == "scale",
+        )
+
+    @property
+    def cells(self) -> Int8Array:
+        """The cells of map_server's OccupancyGrid: shape (height, width), the lowest row first.
+
+        0 is free, 100 occupied, -1 unknown.
+
+        Raises:
+            YamlError: the image cannot be read.
+        """
+        cells: Int8Array = read_image(self.image, self._cells)
+        return cells[::-1]
 
     def is_bright(self, image: "Image.Image") -> BoolArray:
         """The mask of free and unknown pixels: shape (height, width), the top row first."""
+        return np.asarray(self._cells(image) != _OCCUPIED)
+
+    def _cells(self, image: "Image.Image") -> Int8Array:
         if image.mode.startswith(("I", "F")):
             raise YamlError(self.image, "expected 8 bits per channel, as map_server does")
-        grey = np.asarray(image.convert("RGB"), dtype=np.float32).mean(axis=2)
-        occupancy = (grey if self.negate else 255.0 - grey) / 255.0
-        return np.asarray(occupancy <= np.float32(self.occupied_thresh))
+        has_alpha = "A" in image.mode or "transparency" in image.info
+        channels = np.asarray(image.convert("RGBA" if has_alpha else "RGB"))
+        # In trinary maps, map_server averages alpha with the colours.
+        used = channels[:, :, :3] if self.is_scaled else channels
+        number = used.shape[2]
+        grey = np.arange(255 * number + 1) / number
+        cells = self._cells_of((grey if self.negate else 255.0 - grey) / 255.0)
+        cells = cells[used.sum(axis=2, dtype=np.uint16)]
+        if has_alpha and self.is_scaled:
+            cells[channels[:, :, 3] < 255] = _UNKNOWN
+        return cells
+
+    def _cells_of(self, occupancy: FloatArray) -> Int8Array:
+        free, occupied = self.free_thresh, self.occupied_thresh
+        between: Any = _UNKNOWN
+        if self.is_scaled:
+            between = np.rint((occupancy - free) / max(occupied - free, 1e-9) * 100.0)
+        cells = np.where(occupancy < free, _FREE_CELL, between)
+        return np.where(occupancy > occupied, _OCCUPIED, cells).astype(np.int8)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import math
 import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Tuple, TypeVar
 
 import numpy as np
 
@@ -29,6 +29,8 @@ if TYPE_CHECKING:  # Pillow is imported when an image is read
     from PIL import Image
 
 logger = logging.getLogger(__name__)
+
+T = TypeVar("T")
 
 INLINE = ("segments", "polygons", "circles", "grid")
 """The keys of walls that are in the map itself."""
@@ -242,15 +244,15 @@ def read_map(
     return MapConfig.from_file(path, preprocessor).walls(simplify_map)
 
 
-def read_image(path: Path, is_bright: Callable[["Image.Image"], BoolArray]) -> BoolArray:
-    """The bright pixels of an image.
+def read_image(path: Path, to_pixels: Callable[["Image.Image"], T]) -> T:
+    """The pixels of an image.
 
     Args:
         path: of the image.
-        is_bright: returns the mask of bright pixels: shape (height, width), the top row first.
+        to_pixels: makes them of the image, which is upright.
 
     Returns:
-        Shape (height, width), the top row first.
+        What `to_pixels` returns.
 
     Raises:
         YamlError: it cannot be read.
@@ -264,7 +266,7 @@ def read_image(path: Path, is_bright: Callable[["Image.Image"], BoolArray]) -> B
             with Image.open(content, formats=_FORMATS) as image:
                 if image.width * image.height > _MAX_PIXELS:
                     raise Image.DecompressionBombError
-                return is_bright(_upright(image))
+                return to_pixels(_upright(image))
     except UnidentifiedImageError:
         formats = ", ".join(_FORMATS)
         raise YamlError(path, f"is not an image of a known format: {formats}") from None

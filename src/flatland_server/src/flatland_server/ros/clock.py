@@ -84,7 +84,7 @@ class ClockPublisher(Clock):
         numbers = self._numbers
         if not numbers:
             return
-        super().flush()
+        self._served_revision = self._revision
         self._send_framed(self._publisher, struct.pack(f"<{len(numbers)}I", *numbers))
         numbers.clear()
         if self._local_time is not None:

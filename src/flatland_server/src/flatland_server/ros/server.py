@@ -14,6 +14,7 @@ from flatland_server.exceptions import FlatlandError, counted
 from flatland_server.hub.assembly import open_hub
 from flatland_server.hub.client_files import ClientFiles
 from flatland_server.hub.recent_log import RecentLog
+from flatland_server.hub.server_config import ServerConfig
 from flatland_server.ros import open_files, other_publishers, rospy_patches
 from flatland_server.ros.clock import warn_of_other_times
 from flatland_server.ros.launch_arguments import check_launch_arguments, parent_command_line
@@ -21,7 +22,7 @@ from flatland_server.ros.loading_publisher import LoadingPublisher
 from flatland_server.ros.log_handler import RosLogHandler, tolerate_write_errors
 from flatland_server.ros.other_localisers import OtherLocalisers
 from flatland_server.ros.ros_transport import RosTransport
-from flatland_server.ros.server_config import ServerConfig
+from flatland_server.ros.server_parameters import RosConfig, read_config
 from flatland_server.ros.services import offer_services
 from flatland_server.ros.shutdown import Shutdown
 from flatland_server.simulation.simulation_manager import SimulationManager
@@ -60,7 +61,7 @@ def run_node(name: str, simulate: Simulate) -> int:
     tolerate_write_errors()
     open_files.raise_limit()
     try:
-        config = ServerConfig.read()
+        config = read_config()
         if config.launch_file is not None:
             check_launch_arguments([config.launch_file], parent_command_line())
         _run(config, simulate, log)
@@ -73,16 +74,14 @@ def run_node(name: str, simulate: Simulate) -> int:
     return 0
 
 
-def _run(config: ServerConfig, simulate: Simulate, log: RecentLog) -> None:
+def _run(ros_config: RosConfig, simulate: Simulate, log: RecentLog) -> None:
+    config = ros_config.server
     try:
         timekeeper = (WallTimekeeper if config.wall_clock_stamps else Timekeeper)(config.step_size)
     except ValueError as error:
         raise FlatlandError(f"~step_size: {error}") from None
     shutdown = Shutdown()
-    transport = RosTransport(
-        rospy_patches.install(config.rospy_patches),
-        {"~no_return": config.no_return, "~static_tf": config.static_tf},
-    )
+    transport = RosTransport(rospy_patches.install(ros_config.rospy_patches), config.params)
     transport.tf_by_namespace = config.tf_by_namespace
     shutdown.transport = transport
     LoadingPublisher()
@@ -127,17 +126,8 @@ def _open_hub(
     Returns:
         The watch for other localisers, if the server sends map -> odom.
     """
-    hub = open_hub(
-        manager,
-        ClientFiles(manager.world, config.state_folder),
-        log=log,
-        view_rate=config.viz_pub_rate if config.show_viz else None,
-        for_rviz=True,
-        map_to_odom=config.map_to_odom,
-        with_history=config.history,
-        control_period=config.control_period,
-        train_mode=config.train_mode,
-    )
+    files = ClientFiles(manager.world, config.state_folder)
+    hub = open_hub(manager, files, log=log, **config.hub)
     if config.realtime_priority:
         manager.on_tick.append(ThreadPriority().update)
     manager.on_tick.append(SlowPluginWatch().update)

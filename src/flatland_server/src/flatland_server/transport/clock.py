@@ -27,12 +27,12 @@ class Clock:
 
     def tick(self) -> None:
         """Adds a message with the current time. To be called after each step."""
+        self._served_revision = self._revision
         if self._publisher.has_subscribers:
             self._publisher.publish(self._type(TYPES.Time(0, self._timekeeper.nanoseconds)))
 
     def flush(self) -> None:
-        """Sends the messages that are held back; to be called often."""
-        self._served_revision = self._revision
+        """Sends the messages that are held back, if any are; to be called often."""
 
     def repeat_for_new_subscribers(self) -> None:
         """Sends the current time again if subscribers have come. To be called during a pause.

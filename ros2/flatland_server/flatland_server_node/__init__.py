@@ -1,0 +1,1 @@
+"""The node flatland_server of ROS 2, which is in flatland2d."""

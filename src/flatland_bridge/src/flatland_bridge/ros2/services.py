@@ -1,0 +1,95 @@
+"""The services of a graph in ROS 2, answered on threads of their own."""
+
+import logging
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
+from functools import partial
+from typing import Any, Dict, List
+
+from rclpy.node import Node
+
+from flatland_bridge.client_calls import reason_of
+from flatland_bridge.graph import Graph
+from flatland_bridge.ros2.types import MissingType, Types, interface
+from flatland_server.messages.service_types import ServiceType
+
+logger = logging.getLogger(__name__)
+
+_MOST_CALLS = 50
+"""Calls that go on at the same time; some wait for simulated time. Others are refused."""
+
+
+class Services:
+    """Offers all services of a graph.
+
+    Args:
+        node: offers them.
+        graph: has them.
+        types: of ROS 2.
+        missing: gets the names of services of types that this ROS 2 does not have, by package.
+    """
+
+    def __init__(
+        self, node: Node, graph: Graph, types: Types, missing: Dict[str, List[str]]
+    ) -> None:
+        self._graph = graph
+        self._types = types
+        self._pool = ThreadPoolExecutor(_MOST_CALLS, "call")
+        self._going_on = 0
+        for name, kind in sorted(graph.services.items()):
+            try:
+                service = node.create_service(
+                    interface(kind.name, "srv"), name[1:], partial(self._begin, name, kind)
+                )
+            except MissingType as error:
+                missing.setdefault(error.package, []).append(name)
+                continue
+            # rclpy sends what the callback returns, which is the response's future here.
+            service.send_response = partial(self._send_later, service.send_response)
+
+    def _begin(self, name: str, kind: ServiceType, request: Any, response: Any) -> "Future[Any]":
+        """Begins a call. It is called on the thread of the executor, as `_send_later` is."""
+        if self._going_on >= _MOST_CALLS:
+            done: Future[Any] = Future()
+            done.set_result(self._failed(name, kind, f"{_MOST_CALLS} calls go on already"))
+            return done
+        self._going_on += 1
+        done = self._pool.submit(self._answer, name, kind, request)
+        done.add_done_callback(self._end)
+        return done
+
+    def _end(self, _: "Future[Any]") -> None:
+        self._going_on -= 1
+
+    @staticmethod
+    def _send_later(send: Any, done: "Future[Any]", header: Any) -> None:
+        def respond(done: "Future[Any]") -> None:
+            with suppress(Exception):  # the node has ended
+                send(done.result(), header)
+
+        done.add_done_callback(respond)
+
+    def _answer(self, name: str, kind: ServiceType, request: Any) -> Any:
+        """Makes a call, on a thread of the pool."""
+        try:
+            answer = self._graph.call(name, self._types.request(kind, request))
+            return self._types.response(kind, answer)
+        except Exception as error:  # the caller would wait for ever
+            return self._failed(name, kind, reason_of(error, name))
+
+    @staticmethod
+    def _failed(name: str, kind: ServiceType, reason: str) -> Any:
+        """A response that says so, if it has the fields; ROS 2 has no errors of calls."""
+        response = interface(kind.name, "srv").Response()
+        if hasattr(response, "success"):
+            response.message = reason
+        elif hasattr(response, "result"):  # of simulation_interfaces
+            response.result.result = response.result.RESULT_OPERATION_FAILED
+            response.result.error_message = reason
+        else:
+            logger.error("%s: %s", name, reason)
+        return response
+
+    def close(self) -> None:
+        """Begins no further call."""
+        self._pool.shutdown(wait=False)

@@ -1,0 +1,34 @@
+"""ROS 2 by rclpy: Jazzy and Kilted, each with a program of plain rclpy in a process of its own."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from ros2_environment import Ros2Environment
+
+pytestmark = pytest.mark.slow
+
+CHECKS = Path(__file__).with_name("rclpy_checks.py")
+
+
+@pytest.mark.skipif(sys.version_info[:2] != (3, 11), reason="the wheels are for Python 3.11")
+@pytest.mark.parametrize(("distribution", "first"), [("jazzy", 1), ("kilted", 2)])
+def test_nodes_of_ros_2(distribution, first, tmp_path):
+    environment = Ros2Environment(distribution)
+    variables = {**environment.environment(), "ROS_LOG_DIR": str(tmp_path)}
+    result = subprocess.run(
+        [
+            *(str(environment.python), str(CHECKS), "-q", "-p", "no:cacheprovider"),
+            *("--noconftest", "-c", os.devnull, "--rootdir", str(CHECKS.parent)),
+            *("--basetemp", str(tmp_path / "base")),
+        ],
+        env={**variables, "ROS_DOMAIN_ID": str(first + os.getpid() % 50 * 2)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=900,
+    )
+
+    assert result.returncode == 0, result.stdout[-8000:]
