@@ -14,6 +14,11 @@ root=$(cd -P -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
 python=/usr/bin/python3
 export PATH="/usr/bin:$PATH"
 
+# The script that has called this one, if any.
+# shellcheck disable=SC2034
+called_by=${FLATLAND_SCRIPT-}
+export FLATLAND_SCRIPT=${0##*/}
+
 # Output of nodes is not buffered, through a pipe as on a terminal.
 export PYTHONUNBUFFERED=1
 

@@ -87,7 +87,7 @@ class Launch:
         output: the file for its output.
         display: the X display.
         command: the program.
-        port: of the master.
+        port: the master's port.
         with_port: whether `-p` is added; without, ROS_MASTER_URI says which master is used.
         environment: additional variables.
     """

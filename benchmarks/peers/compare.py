@@ -30,6 +30,20 @@ SIMULATORS = (
         requirement="irsim-x==1.1.4",
         flags="-mno-avx512f",  # with AVX-512, its batch leaves every other eight ranges undefined
     ),
+    Simulator(
+        "JalanSim 0.0.1",
+        "jalansim_rooms",
+        1,
+        has_batches=True,
+        requirement="jalansim==0.0.1 numpy",  # which it does not require itself
+    ),
+    Simulator(
+        "JaxNav (jaxmarl 0.2.0)",
+        "jaxnav_rooms",
+        10,  # memory grows with the square of their number
+        has_batches=True,
+        requirement="jaxmarl==0.2.0",
+    ),
 )
 
 

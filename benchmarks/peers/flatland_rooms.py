@@ -20,7 +20,7 @@ class Room:
 
     Args:
         robots: how many.
-        seed: of the scenario.
+        seed: the scenario's seed.
         substeps: physics steps in a step.
     """
 
@@ -62,7 +62,7 @@ class Batch:
 
     Args:
         robots: how many.
-        seed: of the scenario.
+        seed: the scenario's seed.
         substeps: physics steps in a step.
     """
 

@@ -21,7 +21,7 @@ class Room:
 
     Args:
         robots: how many.
-        seed: of the scenario.
+        seed: the scenario's seed.
         collisions: the world's `collision_mode`.
     """
 
@@ -59,7 +59,7 @@ class Batch:
 
     Args:
         robots: how many.
-        seed: of the scenario.
+        seed: the scenario's seed.
         collisions: ignored: the batch only reports collisions, and robots drive on.
     """
 

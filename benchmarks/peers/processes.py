@@ -24,7 +24,7 @@ class Simulator(NamedTuple):
     variant: str = ""
     """The variant for the module's `open_room`."""
     requirement: str = ""
-    """The requirement for pip; empty for Flatland, which comes from this workspace."""
+    """The requirements for pip; empty for Flatland, which this Python has."""
     flags: str = ""
     """Compiler flags for a build by pip."""
 
@@ -39,9 +39,9 @@ def python_of(simulator: Simulator) -> str:
     Raises:
         PeerError: pip cannot install it.
     """
-    requirement = simulator.requirement
-    if not requirement:
+    if not simulator.requirement:
         return sys.executable
+    requirement, *others = simulator.requirement.split()
     folder = _ENVIRONMENTS / requirement.replace("==", "-")
     python, done = folder / "bin" / "python", folder / "installed"
     if not done.exists():
@@ -49,7 +49,7 @@ def python_of(simulator: Simulator) -> str:
         pip = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
         for command in (
             [sys.executable, "-m", "venv", "--clear", str(folder)],
-            [*pip, "--no-cache-dir", requirement],  # a cached wheel may have other flags
+            [*pip, "--no-cache-dir", requirement, *others],  # a cached wheel may have other flags
         ):
             result = subprocess.run(
                 command,

@@ -80,6 +80,26 @@ class Scenario:
         return ranges
 
 
+def squares(discs: "np.ndarray[Any, Any]", side: float) -> "np.ndarray[Any, Any]":
+    """The room as a map of squares, with a border of them, for simulators that have no discs.
+
+    Args:
+        discs: x, y [m], shape (n, 2).
+        side: of a square [m].
+
+    Returns:
+        True where the middle of a square is in a disc, or that of a disc in a square.
+    """
+    count = round(ROOM / side)
+    middles = (np.arange(-1, count + 1) + 0.5) * side
+    found = np.ones((count + 2, count + 2), bool)
+    found[1:-1, 1:-1] = False
+    for x, y in discs.tolist():
+        found |= (middles - x) ** 2 + (middles[:, None] - y) ** 2 <= DISC_RADIUS**2
+        found[int(y // side) + 1, int(x // side) + 1] = True
+    return found
+
+
 def _place(rng: np.random.Generator, radius: float, taken: List[Circle]) -> Tuple[float, float]:
     """Draws a free place for a circle, and adds it to `taken`."""
     margin = radius + _GAP

@@ -12,6 +12,7 @@ A rate is per second of this process's processor time, on all of its threads.
 
 import importlib
 import json
+import os
 import sys
 import time
 from typing import Any, Dict
@@ -45,8 +46,8 @@ def _run(room: Any, seconds: float) -> float:
 
 
 if __name__ == "__main__":
-    to_parent = sys.stdout
-    sys.stdout = sys.stderr  # keeps prints of simulators out of the answers
+    to_parent = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)  # keeps what simulators and their libraries print out of the answers
     opened = importlib.import_module(sys.argv[1])
     for line in sys.stdin:
         print(json.dumps(measure(opened, **json.loads(line))), file=to_parent, flush=True)

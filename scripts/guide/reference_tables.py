@@ -8,6 +8,7 @@ A page marks where they are by comments, which Markdown does not show:
     <!-- keys of world layers[] -->                    of a section
     <!-- arguments of flatland_server server.launch -->
     <!-- parameters of navigator -->                   the private parameters of a node
+    <!-- parameters of NODE beyond PACKAGE FILE -->    those that are no arguments of a launch file
     <!-- definitions of flatland_msgs msg -->          up to <!-- end -->
 
 In a table of keys, the code gives all cells but the last, the meaning. Meanings are written in the
@@ -27,6 +28,8 @@ from node_parameters import parameters_of
 ROOT = Path(__file__).resolve().parents[2]
 HEADER = "| key | type | unit | default | meaning |\n| --- | --- | --- | --- | --- |\n"
 MARK = re.compile(r"<!-- (keys|arguments|parameters) of ([^>]+) -->\n((?:\|.*\n)*)")
+RESULT = re.compile(r"^(bool success|string message) +# (?:(?:to )?check|error .*such as).*$", re.M)
+"""The result of a service, with a comment that says no more than the page does of all of them."""
 DEFINITIONS = re.compile(r"<!-- definitions of (\w+) (\w+) -->\n(.*?)<!-- end -->", re.DOTALL)
 
 
@@ -98,10 +101,8 @@ def _row(key: Key, written: Sequence[str]) -> str:
 
 
 def _arguments(file: str, rows: str) -> str:
-    package, name = file.split()
-    root = ElementTree.parse(ROOT / "src" / package / "launch" / name).getroot()
     text = "| argument | default | meaning |\n| --- | --- | --- |\n"
-    for each in root.findall("arg"):
+    for each in _launch_arguments(file):
         if each.get("value") is None:
             default = each.get("default")
             shown = "**required**" if default is None else f"`{default}`" if default.strip() else ""
@@ -109,10 +110,19 @@ def _arguments(file: str, rows: str) -> str:
     return text.replace("|  |", "| |")
 
 
-def _parameters(node: str, rows: str) -> str:
+def _launch_arguments(file: str) -> List[ElementTree.Element]:
+    package, name = file.split()
+    return ElementTree.parse(ROOT / "src" / package / "launch" / name).getroot().findall("arg")
+
+
+def _parameters(subject: str, rows: str) -> str:
+    node, _, file = subject.partition(" beyond ")
+    arguments = {each.get("name") for each in _launch_arguments(file)} if file else set()
     written = {cells[0].strip("`~"): cells[-1] for cells in map(_cells, rows.splitlines()[2:])}
     text = "| parameter | default | meaning |\n| --- | --- | --- |\n"
     for name, default in parameters_of(node):
+        if name in arguments:
+            continue
         shown = str(default).lower() if isinstance(default, bool) else str(default)
         shown = f"`{shown}`" if shown else ""
         text += f"| `~{name}` | {shown} | {written.get(name, '')} |\n"
@@ -122,7 +132,7 @@ def _parameters(node: str, rows: str) -> str:
 def _definitions(package: str, kind: str) -> str:
     text = ""
     for path in sorted((ROOT / "src" / package / kind).glob(f"*.{kind}")):
-        definition = path.read_text(encoding="utf-8").rstrip()
+        definition = RESULT.sub(r"\1", path.read_text(encoding="utf-8").rstrip())
         text += f"\n### {path.stem}\n\n```text\n{definition}\n```\n"
     return text + "\n"
 

@@ -110,6 +110,7 @@ PLUGINS: Dict[str, List[Dict[str, Any]]] = {
             "color": [1, 1, 1, 1],
             "random": {"count": 1, "area": [[-3, -3], [3, 3]]},
             "circle": {"count": 1, "radius": 5},
+            "recording": {"file": "people.csv"},
         },
     ],
     "DiffDrive": [ON_BASE, {**ON_BASE, **NOISE, **LIMITS}, {**ON_BASE, "odom_drift": [1, 1, 1]}],
@@ -182,6 +183,7 @@ def is_of_the_world(name: str) -> bool:
 def _files() -> WorldFiles:
     files = WorldFiles()
     files.walls("walls", *WALLS)
+    files.write("people.csv", "0 1 2 2\n")
     Image.new("L", (4, 4), 255).save(files.folder / "picture.png")
     files.write(
         "picture.yaml",

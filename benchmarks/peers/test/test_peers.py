@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from compare import FLATLAND, IRSIM, Case, table, wrong_share
-from scenario import Scenario
+from scenario import DISC_RADIUS, Scenario, squares
 
 HERE = Path(__file__).resolve().parents[1]
 
@@ -54,3 +54,16 @@ def test_wrong_ranges_are_counted():
     ranges[0, :3] += (0.009, 0.011, np.nan)
 
     assert wrong_share(ranges.tolist(), exact) == 2 / 128
+
+
+def test_a_map_of_squares_has_the_room_and_its_discs():
+    discs = np.array([[10.0, 20.0]])
+
+    fine, coarse = squares(discs, 0.1), squares(discs, 1.0)
+
+    assert fine.shape == (402, 402)
+    assert fine[0].all()
+    assert fine[:, -1].all()
+    assert 0.01 * fine[1:-1, 1:-1].sum() == pytest.approx(np.pi * DISC_RADIUS**2, rel=0.05)
+    assert fine[201, 101]  # row: y, after the border
+    assert np.argwhere(coarse[1:-1, 1:-1]).tolist() == [[20, 10]]

@@ -43,8 +43,8 @@ class Tab:
     """A tab, with a window of its own.
 
     Args:
-        socket: of the browser.
-        size: of the window [px].
+        socket: the browser's socket.
+        size: the window's size [px].
         is_dark: the look that the user prefers.
         is_touched: whether it is a phone.
     """

@@ -420,7 +420,7 @@ def test_a_client_that_floods_the_simulation_is_refused_alone(server, client):
     assert client.call("/rosapi/nodes")["result"]
 
 
-def test_a_client_that_publishes_large_messages_is_refused_those_that_do_not_fit(server, client):
+def test_large_messages_that_do_not_fit_are_refused(server, client):
     goes_on = threading.Event()
     server.transport.post(lambda: goes_on.wait(60))
     client.send("advertise", topic="/text", type="std_msgs/String")

@@ -149,7 +149,7 @@ def test_the_past_is_shown_with_its_scans_and_the_run_goes_on_from_there(world, 
         tab.press("Alt+ArrowLeft")
         wait_until(lambda: "in the past" in tab.text("banner"), "the past")
         assert pose_of(server, "robot").x == 0.0
-        wait_until(tab.returns, "the scan of that moment")
+        wait_until(tab.returns, "the scan of that time")
         assert all(map(is_on_a_wall, tab.returns()))
 
         tab.press("ArrowUp")  # drives nothing there
@@ -158,11 +158,11 @@ def test_the_past_is_shown_with_its_scans_and_the_run_goes_on_from_there(world, 
         assert "in the past" in tab.text("banner")
         tab.press(",")
         wait_until(lambda: tab.text("clock") == "0.0 s, paused", "the way back")
-        end = float(tab.of("moment", "max"))
-        tab.value(f"moment.value = {end / 2}; moment.dispatchEvent(new Event('input'))")
-        wait_until(lambda: 0 < pose_of(server, "robot").x < 1, "the moment of the slider")
+        end = float(tab.of("slider", "max"))
+        tab.value(f"slider.value = {end / 2}; slider.dispatchEvent(new Event('input'))")
+        wait_until(lambda: 0 < pose_of(server, "robot").x < 1, "the time of the slider")
         tab.push("latest")
-        wait_until(lambda: "in the past" not in tab.text("banner"), "the latest moment")
+        wait_until(lambda: "in the past" not in tab.text("banner"), "the latest time")
         assert pose_of(server, "robot").x > 1.0
         tab.press("ArrowUp", "keyUp")
 

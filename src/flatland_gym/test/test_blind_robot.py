@@ -36,7 +36,7 @@ def test_without_people_a_blind_robot_arrives():
     assert found.success.all()
 
 
-def test_episodes_of_a_scene_have_its_start_and_goal_unless_options_give_others():
+def test_a_scenes_start_and_goal_are_used_unless_options_differ():
     import gymnasium
 
     import flatland_gym  # noqa: F401

@@ -135,7 +135,7 @@ def test_a_node_stops_at_the_goal_and_acts_at_its_rate():
     assert (sent[3].linear.x, sent[3].angular.z) == (0, 0)
 
 
-def test_a_node_goes_on_when_time_begins_again_and_stops_at_what_it_cannot_use():
+def test_a_node_survives_time_going_back():
     sink, reports = Sink(), []
     node = PolicyNode(untrained(), sink, goal_radius=0.3, report=reports.append)
     goal = messages.get("geometry_msgs/PoseStamped")()
@@ -382,11 +382,11 @@ def test_without_gymnasium_it_says_what_to_install():
     assert result.returncode == 1
     assert (
         result.stderr
-        == "error: NavigationVectorEnv needs Gymnasium: pip install 'flatland2d[gym]'\n"
+        == "error: NavigationVectorEnv needs Gymnasium: pip install '.[gym]' in Flatland's clone\n"
     )
 
 
-def test_the_program_starts_again_with_one_thread_for_products_unless_told_how_many(monkeypatch):
+def test_the_program_restarts_with_one_blas_thread_by_default(monkeypatch):
     calls = []
     monkeypatch.setattr(os, "execv", lambda program, arguments: calls.append(arguments))
     monkeypatch.setattr(sys, "argv", ["train.py", "policy.npz", "--seed", "2"])

@@ -88,9 +88,7 @@ def drive_away(ask):
     wait_until(lambda: float(ask("speed()")) > 0.1, "the robot to drive")
 
 
-def test_a_navigator_survives_a_restarted_server_and_stops_the_robot_at_its_end(
-    start, start_server, tmp_path
-):
+def test_a_navigator_survives_a_restarted_server(start, start_server, tmp_path):
     client = start("-c", CLIENT, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     log = tmp_path / "navigator.log"
 

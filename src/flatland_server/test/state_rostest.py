@@ -112,7 +112,7 @@ class State(unittest.TestCase):
                 said[recorder.topic, message.header.stamp.to_nsec()] = content(message)
         return said
 
-    def test_a_controller_in_lockstep_gives_equal_runs_however_busy_the_machine_is(self):
+    def test_lockstep_gives_equal_runs_on_a_busy_machine(self):
         first = self.drive()
         self.assertEqual(len(first), 18 + 3)
 

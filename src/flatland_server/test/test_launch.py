@@ -34,7 +34,7 @@ def run_at_master(run, master):
     return lambda *arguments: run(*arguments, with_port=False, port=master.port)
 
 
-def test_without_a_display_it_says_so_and_goes_on_until_ctrl_c_ends_everything_quietly(run):
+def test_without_a_display_it_runs_until_ctrl_c(run):
     launch = run("--sigint-timeout=60")  # the time after which roslaunch escalates
     launch.wait_for("running")
     launch.wait_for("no display")
@@ -210,10 +210,9 @@ def test_a_taken_port_is_one_line(run):
 
 @pytest.fixture(scope="module")
 def room(run_for_module):
-    """A running simulation; rate, step size and their product differ from the defaults."""
-    launch = run_for_module(
-        str(ROOM / "world.yaml"), "update_rate:=100", "step_size:=0.02", "show_viz:=false"
-    )
+    """A shipped world, by name; rate, step size and their product differ from the defaults."""
+    launch = run_for_module("test_room", "update_rate:=100", "step_size:=0.02", "show_viz:=false")
+    launch.wait_for("test_room/world.yaml: ")
     launch.wait_for("running")
     return launch
 

@@ -110,7 +110,7 @@ class Training(RecordingCase):
             self.succeed(delete_all(*names))
             call("/resume", Empty)
 
-    def test_step_world_advances_time_by_the_control_period_and_goes_on_as_before(self):
+    def test_step_world_advances_time_by_the_control_period(self):
         self.pause()
         begin = time_after_a_step()
 

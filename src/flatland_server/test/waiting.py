@@ -15,7 +15,7 @@ def wait_until(
     Args:
         holds: the condition.
         what: names the condition if the wait fails.
-        limit: of the wait [s].
+        limit: the wait's limit [s].
         interval: between two calls of `holds` [s].
 
     Raises:

@@ -13,8 +13,8 @@ def x_server(width, height):
     """An X server, while the context lasts.
 
     Args:
-        width: of the screen [pixels].
-        height: of the screen [pixels].
+        width: the screen's width [pixels].
+        height: the screen's height [pixels].
 
     Yields:
         The name of the display.

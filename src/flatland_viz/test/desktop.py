@@ -14,8 +14,8 @@ def desktop(width, height):
     """An X server with openbox, while the context lasts.
 
     Args:
-        width: of the screen [pixels].
-        height: of the screen [pixels].
+        width: the screen's width [pixels].
+        height: the screen's height [pixels].
 
     Yields:
         The name of the display.

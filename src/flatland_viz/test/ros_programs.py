@@ -48,7 +48,7 @@ class Ros:
     """A ROS master, programs that use it, and their topics and services.
 
     Args:
-        environment: of the programs.
+        environment: the programs' environment.
         logs: folder for their output.
 
     Attributes:

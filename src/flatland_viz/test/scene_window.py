@@ -15,7 +15,7 @@ class SceneWindow:
         screen: that it is on.
         ros: the master, with a server.
         waiting: `wait_until`.
-        id: of the window.
+        id: the window's X id.
 
     Attributes:
         view: rows and columns of the view on the screen.

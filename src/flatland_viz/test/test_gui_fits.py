@@ -47,7 +47,7 @@ class Looks:
 
     Args:
         screen: that it is on.
-        background: of the view.
+        background: the view's background.
     """
 
     def __init__(self, screen, background):

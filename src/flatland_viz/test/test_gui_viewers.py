@@ -26,7 +26,7 @@ def markers_only(frame_rate, size):
 
     Args:
         frame_rate: [Hz].
-        size: of the screen [Qt's pixels].
+        size: the screen's size [Qt's pixels].
     """
     displays = [
         {
@@ -105,7 +105,7 @@ def test_the_office_is_shown_again_after_a_reset(viewer):
     viewer.waiting(viewer.shows_office, "walls, robot, boxes and scan")
 
 
-def test_a_model_is_spawned_where_the_mouse_is_pressed_and_faces_where_it_is_released(viewer):
+def test_a_model_is_spawned_at_the_press_and_faces_the_release(viewer):
     before = set(viewer.ros.models())
     at, towards = viewer.view.pixel(2.0, 3.0), viewer.view.pixel(4.0, 4.0)
 

@@ -220,7 +220,7 @@ def test_a_second_robot_gets_a_name_and_a_namespace_of_its_own(window, file):
     window.ros.call("/delete_model", name="turtlebot_2")
 
 
-def test_a_model_is_spawned_by_a_click_on_its_picture_and_a_press_a_drag_and_a_release(window):
+def test_a_model_is_spawned_by_its_picture_and_a_drag(window):
     window.key("alt+w", "p")  # the same palette as by its button and its key
     dialog = window.screen.wait_for_dialog("Spawn Model")
 
@@ -360,7 +360,7 @@ def test_the_way_of_a_robot_is_drawn_and_its_topics_are_plotted(window):
     assert "bad callback" not in window.launch.output
 
 
-def test_an_error_of_the_window_is_logged_once_and_counted_among_the_problems(window):
+def test_an_error_of_the_window_is_logged_once_and_counted(window):
     window.ros.call("/reset", restart_time=True)
     window.screen.focus(window.id)
     topic = "{name: '', type: std_msgs/Empty, is_published: true}"
@@ -422,7 +422,7 @@ def test_a_robot_is_driven_by_keys_and_stops_when_they_are_released(drive):
     assert not drive.screen.windows("Spawn Model")
 
 
-def test_a_robot_stops_when_the_window_loses_the_keyboard_or_the_panel_is_closed(drive):
+def test_a_robot_stops_when_the_panel_loses_the_keyboard(drive):
     with drive.held("Up"):
         drive.command()
         drive.screen.key("F1")

@@ -11,7 +11,7 @@ class RoomMap:
 
     Args:
         pixels: a screenshot in which the whole room is seen, unrotated.
-        color: of its walls.
+        color: its walls' color.
         rows: of the view, as a slice.
         columns: of the view, as a slice.
 

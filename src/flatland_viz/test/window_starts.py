@@ -35,7 +35,7 @@ class Start:
     """One window, from its start to its end.
 
     Args:
-        command: of the window.
+        command: the window's command.
         number: of the start; part of the node's name.
         environment: with the display and the master.
         seconds: how long the window is on the screen.

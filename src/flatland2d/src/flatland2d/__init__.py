@@ -11,6 +11,7 @@ sweep's runs. Other modules are implementation: they may change.
 import importlib as _importlib
 import typing as _typing
 
+import flatland_server as _flatland_server  # noqa: F401 (first: it tells of a wrong Python)
 from flatland2d.batch.observation import BatchObservation
 from flatland2d.free_space import DistanceGrid, FreeSpace
 from flatland2d.handles import DriveHandle, ModelHandle, SensorHandle

@@ -74,8 +74,8 @@ class FreeSpace:
         """True if a point is in a reachable square; quicker than `contains` for one.
 
         Args:
-            x: of the point [m].
-            y: of the point [m].
+            x: the point's x coordinate [m].
+            y: the point's y coordinate [m].
         """
         return (x, y) in self._squares
 
@@ -101,7 +101,7 @@ class FreeSpace:
         Args:
             rng: the random numbers.
             discs: the others: x, y and radius [m].
-            radius: of the discs [m].
+            radius: the discs' radius [m].
             distance: of their middles from the edges of others [m].
             count: how many there are.
             tries: the largest number of points to draw for each.
@@ -124,7 +124,7 @@ class FreeSpace:
             rng: the random numbers.
             given: start and goal; those that are not None are taken as they are.
             distances: the least and the largest distance of the two [m].
-            radius: of the disc [m].
+            radius: the disc's radius [m].
             discs: the others at the start, and those at the goal: x, y and radius [m].
             tries: the largest number of pairs to draw.
         """
@@ -251,8 +251,8 @@ class DistanceGrid:
         """A lower bound of a place's distance from obstacles [m]; 0 outside of the grid.
 
         Args:
-            x: of the place [m].
-            y: of the place [m].
+            x: the place's x coordinate [m].
+            y: the place's y coordinate [m].
         """
         column, row = np.floor((np.array([x, y]) - self._origin) / self.resolution).astype(int)
         rows, columns = self._distances.shape

@@ -32,11 +32,11 @@ class ModelHandle:
     model of this name. Once the model has been deleted, everything but `name` raises a ModelError.
 
     Args:
-        simulation: has the model.
-        name: of the model.
+        simulation: the model's simulation.
+        name: the model's name.
 
     Attributes:
-        name: of the model.
+        name: the model's name.
         sensors: the plugins that measure something, by their names; see `ModelPlugin.read`.
         drives: the plugins that take commands, by their names; see `ModelPlugin.command`.
     """
@@ -114,7 +114,7 @@ class ModelHandle:
         """A running plugin; another object after each reset.
 
         Args:
-            name: of the plugin.
+            name: the plugin's name.
 
         Raises:
             ModelError: the model is gone, or has no plugin of this name.
@@ -183,11 +183,11 @@ class SensorHandle(Generic[Reading]):
         laser: SensorHandle[Float32Array] = robot.sensors["laser"]
 
     Args:
-        model: has the plugin.
-        name: of the plugin.
+        model: the plugin's model.
+        name: the plugin's name.
 
     Attributes:
-        name: of the plugin.
+        name: the plugin's name.
     """
 
     def __init__(self, model: ModelHandle, name: str) -> None:
@@ -282,11 +282,11 @@ class DriveHandle:
     """A plugin that takes commands, by its name; see `ModelPlugin.command`.
 
     Args:
-        model: has the plugin.
-        name: of the plugin.
+        model: the plugin's model.
+        name: the plugin's name.
 
     Attributes:
-        name: of the plugin.
+        name: the plugin's name.
     """
 
     def __init__(self, model: ModelHandle, name: str) -> None:

@@ -41,7 +41,7 @@ class PicturePage:
     them. Where there is no browser, a line says so, and nothing is encoded.
 
     Args:
-        title: of the page.
+        title: the page's title.
         rate: pictures per second of real time: `show` waits that long.
     """
 

@@ -68,8 +68,8 @@ class Recorder(Tap):
     times of a file never go back, and no file has two runs.
 
     Args:
-        transport: has the topics.
-        timekeeper: has the time.
+        transport: the transport of the topics.
+        timekeeper: the simulated time.
         path: of the file, which ends with .bag or .mcap. It has ".active" appended until it is
             closed; then it replaces a recording of the same name.
         topics: names of topics, or regular expressions that match whole names; by default all.
@@ -136,7 +136,7 @@ class Recorder(Tap):
         """The topics to record that do not exist.
 
         Args:
-            names: of the existing topics.
+            names: the existing topics' names.
         """
         known = {*names, *_ALWAYS}
         return [

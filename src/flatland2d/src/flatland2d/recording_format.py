@@ -67,7 +67,7 @@ class Format(ABC):
         chunks: those that were closed.
 
     Args:
-        encoding: of the messages.
+        encoding: the messages' encoding.
     """
 
     magic: ClassVar[bytes]

@@ -167,7 +167,7 @@ class Simulation(SimulatedTopics):
         """Puts a model at another pose, at rest.
 
         Args:
-            name: of the model.
+            name: the model's name.
             pose: x, y [m] and yaw [rad] of its origin in the world.
 
         Raises:
@@ -180,7 +180,7 @@ class Simulation(SimulatedTopics):
         """Removes a model, with its topics.
 
         Args:
-            name: of the model.
+            name: the model's name.
 
         Raises:
             ModelError: there is no such model.

@@ -73,6 +73,8 @@ def read_world_content(
 ) -> Dict[str, Any]:
     """Like `world_content`, but with the absolute paths of maps in files.
 
+    So are those of `file` in the maps of a plugin, such as a Crowd's `recording`.
+
     Args:
         world: as for `world_content`.
         preprocessor: has the parameters and evaluates expressions.
@@ -96,14 +98,28 @@ def read_world_content(
         return _model_entry(section, preprocessor, folders)
 
     content = reader.content()
+    files = reader.get_sections("plugins", _files)
     maps = reader.get_sections("layers", LayerConfig.read_map_source)
     models = reader.get_sections("models", model)
     reader.raise_problems()
     for layer, path in zip(content.get("layers") or (), maps):
         if isinstance(path, Path):
             layer["map"] = os.path.abspath(path)
+    for plugin, paths in zip(content.get("plugins") or (), files):
+        for key, path in paths.items():
+            plugin[key]["file"] = path
     content["models"] = [entry for entry in models if entry is not None]
     return content
+
+
+def _files(section: YamlReader) -> Dict[str, str]:
+    """The absolute paths of the files that maps of a plugin's entry name, by the maps' keys."""
+    found: Dict[str, str] = {}
+    if section.get_bool("enabled", True):
+        for key, value in section.content().items():
+            if isinstance(value, dict) and isinstance(value.get("file"), str):
+                found[key] = os.path.abspath(section.get_section(key).get_path("file"))
+    return found
 
 
 def _model_entry(

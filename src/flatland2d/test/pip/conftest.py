@@ -45,7 +45,7 @@ def run(*command, **variables):
 
     Args:
         command: its words.
-        variables: of its environment.
+        variables: its environment's variables.
     """
     words = [str(word) for word in command]
     result = subprocess.run(

@@ -42,7 +42,7 @@ def free_poses(
     Args:
         map_file: of an image map with an origin that is not rotated.
         count: number of poses.
-        seed: of the poses.
+        seed: the seed of the poses.
         reachable_from: only pixels connected with this point [m]; by default all free pixels,
             outside the walls, too.
     """

@@ -32,8 +32,8 @@ class Scene:
     """Walls and bodies, and the poses of the lidar.
 
     Args:
-        map_file: has the walls.
-        poses: of the lidar.
+        map_file: the map with the walls.
+        poses: the lidar's poses.
         bodies: all of them visible to lidars.
     """
 

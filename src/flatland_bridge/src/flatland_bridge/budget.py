@@ -145,7 +145,7 @@ class Budgets:
         """Counts bytes of a client, with the lock; that with the most goes if there are too many.
 
         Args:
-            budget: of the client.
+            budget: the client's budget.
             size: how many more.
         """
         if budget.goes:
@@ -159,7 +159,7 @@ class Budgets:
         """Leaves out a client that goes. Returns whether it was counted.
 
         Args:
-            budget: of the client.
+            budget: the client's budget.
         """
         with self.lock:
             if budget.goes:

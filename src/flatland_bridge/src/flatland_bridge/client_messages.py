@@ -127,8 +127,8 @@ def field(message: Message, key: str, kind: Type[T]) -> T:
     """A field of a message.
 
     Args:
-        message: of a client.
-        key: of the field.
+        message: a message of a client.
+        key: the field's key.
         kind: str, list or dict.
 
     Raises:
@@ -172,8 +172,8 @@ def whole(message: Message, key: str, default: Optional[int] = None) -> int:
     """A whole number of 32 bits in a field of a message.
 
     Args:
-        message: of a client.
-        key: of the field.
+        message: a message of a client.
+        key: the field's key.
         default: if there is no such field.
 
     Raises:

@@ -64,7 +64,7 @@ class Sample:
         """The bytes that a protocol sends.
 
         Args:
-            name: of the encoding.
+            name: the encoding's name.
             encode: makes them.
         """
         data = self._encodings.get(name)

@@ -16,7 +16,7 @@ from flatland_bridge.rosbridge_session import Providers, RosbridgeSession
 from flatland_bridge.shared_transport import SharedTransport
 from flatland_bridge.simulated_graph import SimulatedGraph
 from flatland_bridge.websocket_server import MOST_CLIENTS, Access, Endpoint, WebSocketServer
-from flatland_server.exceptions import MissingPackageError
+from flatland_server.exceptions import MissingPackageError, pip_install
 from flatland_server.messages.stamps import set_stamp_offset
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.wall_timekeeper import WallTimekeeper
@@ -91,9 +91,7 @@ def _dds_server(graph: Graph, access: Access, distribution: str) -> "DdsServer":
     except ImportError as error:
         if error.name is None or error.name.startswith("flatland"):
             raise
-        raise MissingPackageError(
-            f"--ros2 needs {error.name}: pip install 'flatland2d[ros2]'"
-        ) from None
+        raise MissingPackageError(f"--ros2 needs {error.name}: {pip_install('ros2')}") from None
     if access.token is not None:
         raise BridgeError("DDS has no token: leave out either --token or --ros2")
     address = "" if access.host in ("0.0.0.0", "::", "") else access.host

@@ -14,7 +14,7 @@ class Failure(FlatlandError):
     """A result other than RESULT_OK.
 
     Args:
-        code: of the result.
+        code: the result's code.
         text: for the client.
     """
 

@@ -187,7 +187,7 @@ class WebSocketServer:
         """The address of an endpoint, for a program on this machine.
 
         Args:
-            name: of the endpoint.
+            name: the endpoint's name.
             scheme: "http" or "ws".
         """
         host = self._access.host

@@ -19,16 +19,20 @@ from flatland_gym.rewards import RewardWeights, Transition, navigation_reward
 from flatland_gym.rooms import Rooms
 from flatland_gym.scenarios import SCENARIOS, Scenario
 from flatland_gym.settings import NavigationSettings
+from flatland_server.exceptions import pip_install
 
 __all__ = [
     "SCENARIOS",
+    "MapCrop",
     "NavigationEnv",
     "NavigationSettings",
     "NavigationVectorEnv",
+    "ObservationPart",
     "Policy",
     "RewardWeights",
     "Rooms",
     "Scenario",
+    "Situation",
     "Transition",
     "navigation_reward",
 ]
@@ -37,6 +41,7 @@ if TYPE_CHECKING or importlib.util.find_spec("gymnasium") is not None:
     import gymnasium
 
     from flatland_gym.navigation_env import NavigationEnv
+    from flatland_gym.parts import MapCrop, ObservationPart, Situation
 
     if TYPE_CHECKING or hasattr(gymnasium.vector, "AutoresetMode"):  # Gymnasium 1.1 and later
         from flatland_gym.navigation_vector_env import NavigationVectorEnv
@@ -61,5 +66,5 @@ def __getattr__(name: str) -> Any:
     """Raises the error for environments if Gymnasium is missing or too old."""
     if name in __all__:
         wanted = "Gymnasium 1.1" if "NavigationEnv" in globals() else "Gymnasium"
-        raise MissingPackageError(f"{name} needs {wanted}: pip install 'flatland2d[gym]'")
+        raise MissingPackageError(f"{name} needs {wanted}: {pip_install('gym')}")
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

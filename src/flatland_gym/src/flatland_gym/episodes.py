@@ -192,7 +192,8 @@ class EpisodeSampler:
         if self._maps is None:
             raise UsageError("expected no option map in an environment without maps")
         numbers = given if isinstance(given, (Sequence, np.ndarray)) else [given]
-        if not len(numbers) or not all(is_whole(each) and each >= 0 for each in numbers):
+        ends = [numbers[0], numbers[-1]] if isinstance(numbers, range) and numbers else numbers
+        if not len(ends) or not all(is_whole(each) and each >= 0 for each in ends):
             raise UsageError(
                 f"expected the option map as a number of 0 or more, or several, found {given!r:.80}"
             )

@@ -13,7 +13,7 @@ class StraightDriver:
     """Turns to the goal and drives at it, whatever is in the way: shows how much a world asks for.
 
     Args:
-        beams: of the lidar.
+        beams: number of the lidar's beams.
         size: of an action: the speed comes first, what turns the robot last.
         speed: at most that of the robot [m/s].
     """
@@ -48,14 +48,19 @@ def evaluate(
 
     Args:
         policy: drives the robot.
-        seeds: of the environments.
+        seeds: the environments' seeds.
         threads: how many are stepped at a time.
         arguments: of the environment; see `NavigationSettings`.
+
+    Raises:
+        FlatlandError: an argument is wrong, or the policy cannot have these observations.
     """
     env = NavigationVectorEnv(len(seeds), threads, autoreset_mode="Disabled", **arguments)
     try:
         observations, _ = env.reset(seed=list(seeds))
         navigation = env.navigation
+        if isinstance(policy, (Policy, StraightDriver)):
+            navigation.require_standard()
         running = np.arange(len(seeds))
         success, collision = (np.zeros(len(seeds), bool) for _ in range(2))
         while len(running):

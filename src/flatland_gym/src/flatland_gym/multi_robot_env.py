@@ -14,12 +14,13 @@ from flatland_gym.pictures import check_render_mode, page_of
 from flatland_gym.settings import NavigationSettings, require_seed
 from flatland_gym.team import STATE_SIZE, Team, check_team
 from flatland_server import FloatArray, IntArray
+from flatland_server.exceptions import pip_install
 
 try:
     from pettingzoo import ParallelEnv
 except ImportError:
     raise MissingPackageError(
-        "flatland_gym.multi_robot_env needs PettingZoo: pip install 'flatland2d[gym]'"
+        f"flatland_gym.multi_robot_env needs PettingZoo: {pip_install('gym')}"
     ) from None
 
 

@@ -11,17 +11,18 @@ import numpy as np
 from flatland2d import BatchObservation, Simulation, UsageError
 from flatland_gym.episodes import EpisodeSampler, options_of
 from flatland_gym.fleet import Fleet, Motions
-from flatland_gym.judging import judge
 from flatland_gym.maps import Maps
 from flatland_gym.navigation_world import load_all
 from flatland_gym.neighbors import Neighbors
 from flatland_gym.observations import as_dict, goal_distances
+from flatland_gym.parts import Known, Parts, Situation, parts_of
 from flatland_gym.pictures import RENDER_MODES, picture, status_line
 from flatland_gym.policy import Policy
+from flatland_gym.reward_functions import evaluate_step, frozen
 from flatland_gym.rewards import OtherModels, Transition
 from flatland_gym.settings import NavigationSettings
 from flatland_gym.simulation_fleet import RobotSimulation, make_fleet
-from flatland_server import BoolArray, Float32Array, FloatArray, IntArray
+from flatland_server import BoolArray, Float32Array, FloatArray, IntArray, Segments
 from flatland_server._core import GoalObserver
 
 Steps = Tuple[FloatArray, BoolArray, BoolArray]
@@ -84,7 +85,12 @@ class Navigation:
         self._threads = threads
         self._is_single = count == 1 and robots > 1 and settings.maps is None
         self.action_space = self.robot.action_space()
+        self._parts = self._parts_of(settings.observation)
+        self._privileged = self._parts_of(settings.privileged)
         self.observation_space = self.robot.observation_space(settings)
+        if self._parts is not None:
+            flat = self._parts.flat_space
+            self.observation_space = flat if settings.flatten else self._parts.dict_space
         self._limits = self.robot.actions
         self._observer = GoalObserver(
             self.robot.beams, self.robot.max_range, self.robot.velocity_limits
@@ -197,7 +203,7 @@ class Navigation:
             self._period,
             self._models(indices),
         )
-        rewards, terminated = judge(transition, settings)
+        rewards, terminated = evaluate_step(transition, settings)
         if len(indices) == len(distances):  # quicker than with a mask
             self.distances, self.successes = distances, successes
             return rewards, terminated.copy(), ~terminated & (self.steps >= self._longest_episode)
@@ -304,6 +310,37 @@ class Navigation:
 
     def observe(self) -> Float32Array:
         """Flat observations of all robots: a new array."""
+        return self._standard() if self._parts is None else self._parts.flat(self._known())
+
+    def privileged(self) -> Float32Array:
+        """What the setting `privileged` asks for, of all robots: a new array."""
+        assert self._privileged is not None
+        return self._privileged.flat(self._known())
+
+    def _parts_of(self, setting: Any) -> Optional[Parts]:
+        if setting is None:
+            return None
+        velocities = sum(limit > 0.0 for limit in self.robot.velocity_limits)
+        sizes = self.robot.beams, velocities, self.settings.neighbors
+        return Parts(parts_of(setting), *sizes, self._walls_at, self._others)
+
+    def _walls_at(self, place: int) -> Segments:
+        """The walls of a number in `_walls_of`."""
+        return (self._worlds[place] if self._maps is None else self._maps[place].world).walls
+
+    def _known(self) -> Known:
+        rows = self.rows
+        situation = Situation(
+            frozen(rows.poses),
+            frozen(rows.local_velocities),
+            frozen(self.goals),
+            frozen(rows.ranges),
+            self._models(np.arange(len(self.goals))),
+        )
+        return Known(situation, self._standard(), self._radii[self._world_of], self._walls_of)
+
+    def _standard(self) -> Float32Array:
+        """Ranges, goal, velocity and neighbours of all robots: a new array."""
         rows = self.rows
         flat = self._observer.observe(rows.ranges, rows.poses, rows.local_velocities, self.goals)
         if not self.settings.neighbors:
@@ -320,21 +357,32 @@ class Navigation:
         """Observations in the form of the settings: flat, or as a dict."""
         if self.settings.flatten:
             return observations
+        if self._parts is not None:
+            return self._parts.as_dict(observations)
         return as_dict(observations, self.robot.beams, self.settings.neighbors)
 
     def info(self) -> Dict[str, Any]:
         """The entries of infos, for all robots: new arrays."""
-        return {
+        found: Dict[str, Any] = {
             "success": self.successes.copy(),
             "collision": self.rows.collided.copy(),
             "distance": self.distances.copy(),
             "pose": self.rows.poses.copy(),
             "goal": self.goals.copy(),
-            **({} if self._maps is None else {"map": self._map_of.copy()}),
         }
+        if self._maps is not None:
+            found["map"] = self._map_of.copy()
+        if self._privileged is not None:
+            found["privileged"] = self.privileged()
+        return found
 
     def policy(self, weights: Sequence[Float32Array], biases: Sequence[Float32Array]) -> Policy:
-        """A policy for the robot: a network with these layers."""
+        """A policy for the robot: a network with these layers.
+
+        Raises:
+            UsageError: its observations are of a user's own parts, which no robot makes.
+        """
+        self.require_standard()
         robot = self.robot
         return Policy(
             tuple(weights),
@@ -348,6 +396,14 @@ class Navigation:
             self._neighbors.reach,
             bool(self.settings.neighbors_behind_walls),
         )
+
+    def require_standard(self) -> None:
+        """Raises a UsageError if observations are of a user's own parts."""
+        if self._parts is not None:
+            raise UsageError(
+                "a policy of flatland_gym observes ranges, goal, velocity and neighbours: expected "
+                "no argument observation"
+            )
 
     def simulation(self, index: int) -> Simulation:
         """The simulation that has the robot of a row, or shows it."""

@@ -33,7 +33,7 @@ class Disc:
     """A model as an episode sees it: a disc about the model's origin.
 
     Attributes:
-        name: of the model.
+        name: the model's name.
         x: at the beginning of the world [m].
         y: at the beginning of the world [m].
         radius: [m].
@@ -55,7 +55,7 @@ class NavigationWorld:
         robot: the robot to drive.
         robots: the names of the models: that of the robot, or of so many robots like it.
         scale: of the robot, relative to the world's.
-        radius: of the robot [m].
+        radius: the robot's radius [m].
         walls: of all its layers.
         space: where it can stand.
         standing: the models that stay where the world file puts them.
@@ -98,7 +98,7 @@ class NavigationWorld:
 
         Args:
             world: an entry of `settings.worlds`.
-            settings: of the environment.
+            settings: the environment's settings.
             scale: of the robot, from `settings.robot_scales`.
             robots: with more than one, its robot is replaced by so many like it, which each have a
                 namespace of their own.
@@ -211,7 +211,7 @@ def load_all(settings: NavigationSettings, robots: int) -> List[NavigationWorld]
     """The worlds of an environment: each with each scale of the robot.
 
     Args:
-        settings: of the environment.
+        settings: the environment's settings.
         robots: as for `NavigationWorld.load`.
 
     Raises:

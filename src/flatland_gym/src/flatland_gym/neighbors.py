@@ -21,8 +21,8 @@ class Neighbors:
     """Observations of other models, for n robots.
 
     Args:
-        worlds: of the environments.
-        settings: of the environments.
+        worlds: the environments' worlds.
+        settings: the environments' settings.
         count: of the robots, n.
         team: how many there are in each environment.
         maps: of the settings.

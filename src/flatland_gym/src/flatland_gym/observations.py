@@ -27,8 +27,8 @@ def bounds(beams: int, parts: int, neighbors: int = 0) -> Tuple[Float32Array, Fl
     """The least and the largest values of flat observations.
 
     Args:
-        beams: of the lidar.
-        parts: of the velocity.
+        beams: number of the lidar's beams.
+        parts: number of the velocity's parts.
         neighbors: in an observation.
     """
     fastest = _FASTEST_NEIGHBOR
@@ -43,7 +43,7 @@ def mirror_signs(beams: int, velocity_limits: Sequence[float], neighbors: int = 
     """1, or -1 where a number changes its sign if left and right change places.
 
     Args:
-        beams: of the lidar.
+        beams: number of the lidar's beams.
         velocity_limits: of forwards, to the left and turning; 0 for no such part.
         neighbors: in an observation.
     """
@@ -76,7 +76,7 @@ def neighbor_rows(
         velocities: of the robots, forwards, to the left and turning, shape (n, 3).
         others: shape (n, m, 5): x, y [m], vx, vy [m/s] in the world, and the radius of both
             together [m]; NaN for none.
-        count: of the neighbours.
+        count: number of neighbours.
         reach: the largest gap [m].
     """
     offsets = others[..., :2] - poses[:, None, :2]

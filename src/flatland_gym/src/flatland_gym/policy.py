@@ -40,8 +40,8 @@ class Policy:
     Attributes:
         weights: of each layer, shape (inputs, outputs).
         biases: of each layer, shape (outputs,).
-        beams: of the lidar.
-        max_range: of the lidar [m].
+        beams: number of the lidar's beams.
+        max_range: the lidar's max range [m].
         velocity_limits: see `Robot.velocity_limits`.
         action_limits: see `Robot.action_limits`.
         period: between two actions [s].

@@ -24,11 +24,11 @@ class Robot:
     """The robot of a world.
 
     Attributes:
-        name: of the model.
+        name: the model's name.
         drive: the name of its drive.
         lidar: the name of its lidar.
-        max_range: of the lidar [m].
-        beams: of the lidar.
+        max_range: the lidar's max range [m].
+        beams: number of the lidar's beams.
         action_limits: the largest value of each part of an action; the least is its negative.
         velocity_limits: of forwards, to the left and turning [m/s, m/s, rad/s]; 0 for a direction
             in which it cannot be driven.
@@ -51,7 +51,7 @@ class Robot:
 
         Args:
             world: that has it.
-            name: of the model.
+            name: the model's name.
             lidar: the name of its lidar.
             settings: have the limits for a drive without limits of its own.
 

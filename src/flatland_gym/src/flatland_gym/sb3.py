@@ -9,12 +9,13 @@ from flatland_gym.multi_robot_vector_env import MultiRobotVectorEnv
 from flatland_gym.navigation import row_of
 from flatland_gym.navigation_vector_env import NavigationVectorEnv
 from flatland_gym.pickling import ByArguments
+from flatland_server.exceptions import pip_install
 
 try:
     from stable_baselines3.common.vec_env import VecEnv
 except ImportError:
     raise MissingPackageError(
-        "flatland_gym.sb3 needs Stable-Baselines3: pip install 'flatland2d[sb3]'"
+        f"flatland_gym.sb3 needs Stable-Baselines3: {pip_install('sb3')}"
     ) from None
 
 Indices = Union[None, int, Iterable[int]]

@@ -63,7 +63,7 @@ class MirroredRollouts(RolloutBuffer):
     """A rollout buffer of PPO that exchanges left and right in half of each minibatch.
 
     Args:
-        arguments: of the buffer.
+        arguments: the buffer's arguments.
         mirror: of the environments; see `mirrored`.
         named: further arguments of the buffer.
     """

@@ -36,6 +36,10 @@ class NavigationSettings:
         step_size: of the physics [s].
         frame_skip: physics steps in a step of the environment.
         flatten: whether observations are one array, or a dict of ranges, goal and velocity.
+        observation: a part, or a sequence of parts, in place of ranges, goal, velocity and
+            neighbours: names of `flatland_gym.parts.OURS`, a `MapCrop`, an `ObservationPart`, or a
+            function of a `Situation`, which returns an array of shape (n, ...).
+        privileged: the same for `info["privileged"]`, one array: what a critic may know.
         goal_radius: how near to the goal is a success [m].
         goal_distance: the least and the largest distance between start and goal [m].
         margin: between the robot and walls or other models, at the start and at the goal [m].
@@ -73,6 +77,8 @@ class NavigationSettings:
     step_size: float = 0.05
     frame_skip: int = 1
     flatten: bool = True
+    observation: Any = None
+    privileged: Any = None
     goal_radius: float = 0.3
     goal_distance: Tuple[float, float] = (1.0, 10.0)
     margin: float = 0.1
@@ -144,6 +150,10 @@ class NavigationSettings:
             value = getattr(self, name)
             _require(name, value, value is None or callable(value), "a function of a Transition")
         _require("params", self.params, isinstance(self.params, Mapping), "a dict by name")
+        for name in ("observation", "privileged"):
+            value = getattr(self, name)
+            is_some = not isinstance(value, (list, tuple)) or len(value) > 0
+            _require(name, value, is_some, "a part of observations, or one at least in a sequence")
         object.__setattr__(self, "rewards", _weights(self.rewards))
 
     @property

@@ -9,8 +9,8 @@ from typing import Any, Dict, List, Tuple
 
 import numpy as np
 
-from flatland_gym.judging import judge
 from flatland_gym.navigation import Navigation, numbers_of
+from flatland_gym.reward_functions import evaluate_step
 from flatland_gym.rewards import Transition
 from flatland_gym.settings import NavigationSettings
 
@@ -33,7 +33,7 @@ class SingleNavigation(Navigation):
 
     def __init__(self, settings: NavigationSettings) -> None:
         super().__init__(settings)
-        self._is_judged = settings.reward is not None or settings.terminated is not None
+        self._has_functions = settings.reward is not None or settings.terminated is not None
         # Python's numbers also where NumPy's were given.
         self._goal_radius = float(settings.goal_radius)
         self._collision_ends = bool(settings.collision_ends)
@@ -56,8 +56,8 @@ class SingleNavigation(Navigation):
         # C's hypot, as NumPy's; math.hypot differs in the last bit.
         distance = abs(complex(goal_x - x, goal_y - y))
         success = distance < self._goal_radius and not collided
-        if self._is_judged:
-            reward, terminated = self._judge(command, distance, success)
+        if self._has_functions:
+            reward, terminated = self._call_functions(command, distance, success)
         else:
             reward = self.settings.rewards.reward(
                 self.distances.item(0) - distance, success, collided, self._period
@@ -74,13 +74,17 @@ class SingleNavigation(Navigation):
         }
         if self._maps is not None:
             info["map"] = self._map_of.item(0)
+        if self._privileged is not None:
+            info["privileged"] = self.privileged()[0]
         truncated = not terminated and steps >= self._longest_episode
         return self.formed(self.observe()[0]), reward, terminated, truncated, info
 
-    def _judge(self, command: List[float], distance: float, success: bool) -> Tuple[float, bool]:
+    def _call_functions(
+        self, command: List[float], distance: float, success: bool
+    ) -> Tuple[float, bool]:
         """Reward and termination by functions of the settings, which take arrays."""
         state = self.rows
-        rewards, terminated = judge(
+        rewards, terminated = evaluate_step(
             Transition(
                 self.distances,
                 np.array([distance]),

@@ -17,7 +17,7 @@ def drive(run: SweepRun, file: str) -> None:
     Args:
         run: has a goal, and a robot with a lidar that has as many beams as the policy's. A policy
             with neighbours is told the true motions of the other models in sight.
-        file: of the policy.
+        file: the policy's file.
 
     Raises:
         FlatlandError: the file is none of a policy, or the robot or the task do not fit to it.

@@ -100,6 +100,7 @@ class Ppo:
                 "expected a learning_rate above 0 and a discount of 0 to 1, found "
                 f"{learning_rate} and {discount}"
             )
+        env.navigation.require_standard()
         self._env, self._seed = env, seed
         self._rate, self._discount = learning_rate, discount
         self._rng = np.random.default_rng(seed)
@@ -317,7 +318,7 @@ class Scale:
     """Normalises observations by their means and standard deviations so far.
 
     Args:
-        size: of an observation.
+        size: length of an observation.
     """
 
     def __init__(self, size: int) -> None:
@@ -369,7 +370,12 @@ class Mirror:
 
     @classmethod
     def of(cls, navigation: "Navigation") -> "Optional[Mirror]":
-        """That of an environment; None if the robot's lidar does not look to both sides alike."""
+        """That of an environment; None if the robot's lidar does not look to both sides alike.
+
+        Raises:
+            UsageError: its observations are of a user's own parts.
+        """
+        navigation.require_standard()
         robot = navigation.robot
         return cls(robot, navigation.settings.neighbors) if robot.mirrored_beams else None
 

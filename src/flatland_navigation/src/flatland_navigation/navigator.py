@@ -98,7 +98,7 @@ class Navigator:
 
         Args:
             points: that the beams hit [m]: shape (n, 2).
-            time: of the scan [s].
+            time: the scan's time [s].
         """
         self._points, self._scan_time = points, time
 
@@ -106,7 +106,7 @@ class Navigator:
         """The command for a robot at a pose.
 
         Args:
-            pose: of the robot.
+            pose: the robot's pose.
             time: of the pose [s]; if it lies before that of the last pose, simulated time has
                 gone back, and scans are dropped.
         """

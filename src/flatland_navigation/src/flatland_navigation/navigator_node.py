@@ -39,7 +39,7 @@ class NavigatorNode:
     """The topics of a `Navigator`; see the module.
 
     Args:
-        parameters: of the node.
+        parameters: the node's parameters.
 
     Raises:
         FlatlandError: the world cannot be read.

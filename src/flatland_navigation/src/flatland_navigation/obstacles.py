@@ -52,7 +52,7 @@ def free_distance(points: FloatArray, curvature: float, radius: float, limit: fl
 
     Args:
         points: in the robot's frame [m]: shape (n, 2).
-        curvature: of the arc [1/m].
+        curvature: the arc's curvature [1/m].
         radius: of the robot, with a margin [m].
         limit: length of the arc that is checked [m].
 

@@ -23,7 +23,7 @@ def run_node(name: str, start: Callable[[], RobotNode]) -> int:
     """Runs a node until it is shut down. Returns its exit code.
 
     Args:
-        name: of the node.
+        name: the node's name.
         start: returns what the node consists of; a FlatlandError is its reason not to start.
     """
     rospy.init_node(name)

@@ -99,7 +99,7 @@ def spl(success: bool, shortest: float, length: float) -> float:
     P. Anderson et al., "On Evaluation of Embodied Navigation Agents" (2018).
 
     Args:
-        success: of the run.
+        success: whether the run has reached its goal.
         shortest: length of the shortest path [m].
         length: of the path driven [m].
     """

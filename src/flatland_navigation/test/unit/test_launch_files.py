@@ -153,7 +153,7 @@ def test_one_robot_in_a_namespace(stack):
     assert ("odom", "odometry/filtered") in remaps_of(nodes["/r1/move_base"])
 
 
-def test_scans_that_hit_nothing_clear_the_costmaps_and_transforms_may_be_late(stack):
+def test_costmaps_take_inf_and_late_transforms(stack):
     config = load("navigation.launch", "ns:=r1")
     move_base = params_of(config, "/r1/move_base")
 

@@ -54,9 +54,7 @@ def send(monkeypatch):
 
 
 @pytest.mark.parametrize(("reaches", "code"), [(2, 0), (1, 1), (0, 1)])
-def test_goals_are_sent_in_order_and_the_exit_code_tells_whether_all_were_reached(
-    send, reaches, code
-):
+def test_goals_are_sent_in_order_and_failures_set_the_exit_code(send, reaches, code):
     assert send(reaches, loop=False) == (code, [1, 2])
 
 

@@ -31,6 +31,9 @@ class Crowd(WorldPlugin):
 
     Between two updates Box2D moves them at their velocities, and resolves collisions: they are
     bodies like others, without a drive. The next update starts from the result.
+
+    Recorded people walk as they were recorded. A body shows one after the other; in between, it is
+    far away.
     """
 
     def on_initialize(self, config: YamlReader) -> None:
@@ -40,7 +43,10 @@ class Crowd(WorldPlugin):
         walk = crowd.walk
         self.update_timer = UpdateTimer(walk.update_rate)
         self._publisher = self.node.advertise(crowd.poses_pub, "geometry_msgs/PoseArray")
-        self._crowd = self.world.physics.add_crowd(draw_key(self.rng), **walk.settings)
+        key = draw_key(self.rng)
+        self._varies = crowd.start[0] < crowd.start[1]
+        begin = self.rng.uniform(*crowd.start) if self._varies else crowd.start[0]
+        self._crowd = self.world.physics.add_crowd(key, begin=begin, **walk.settings)
         self._people: List[Person] = []
         groups: Dict[str, int] = {}
         try:
@@ -60,6 +66,8 @@ class Crowd(WorldPlugin):
     def _check_room(self, config: YamlReader) -> None:
         """Raises an error if people would start too close to something."""
         for person, room in zip(self._people, self._crowd.rooms()):
+            if person.config.walks:
+                continue
             radius = person.config.build.radius
             for what, left in zip(("a wall", "a model", "another pedestrian"), room):
                 if left < radius - _TOLERANCE:
@@ -71,14 +79,23 @@ class Crowd(WorldPlugin):
 
     @property
     def people(self) -> Sequence[Model]:
-        """The models of those who are there."""
+        """The models of those who are there, or will come."""
         return [person.model for person in self._people if self._is_there(person)]
 
     @property
+    def groups(self) -> Sequence[Sequence[Model]]:
+        """Those who are there of each group."""
+        groups: Dict[str, List[Model]] = {}
+        for person in filter(self._is_there, self._people):
+            if person.config.group is not None:
+                groups.setdefault(person.config.group, []).append(person.model)
+        return list(groups.values())
+
+    @property
     def batch_role(self) -> BatchRole:
-        """The people; worlds differ if their places are drawn."""
+        """The people; worlds differ if their places or times are drawn."""
         is_drawn = any(person.config.area is not None for person in self._people)
-        return BatchRole(crowd=self._crowd, varies_by_seed=is_drawn)
+        return BatchRole(crowd=self._crowd, varies_by_seed=is_drawn or self._varies)
 
     def has_work(self) -> bool:
         """True if the topic has a subscriber."""
@@ -88,6 +105,8 @@ class Crowd(WorldPlugin):
         """Publishes the poses of those who are there."""
         poses = PoseArray(header=header(timekeeper.nanoseconds, self._frame_id))
         for model in self.people:
+            if model.is_away:
+                continue
             poses.poses.append(PoseMessage())
             fill_pose(poses.poses[-1], model.pose)
         self._publisher.publish(poses)

@@ -5,6 +5,7 @@ import math
 from dataclasses import astuple, dataclass, replace
 from typing import Any, Collection, Dict, Iterator, List, Optional, Tuple
 
+from flatland_plugins.recorded_people import RecordedPeople, Walk
 from flatland_server import (
     CollisionFilterRegistry,
     Color,
@@ -141,6 +142,7 @@ class PedestrianConfig:
         group: people of the same one keep together; None: of none.
         area: two corners [m]; its place and its goals are drawn there.
         stands: it stays at its drawn place.
+        walks: recorded ones, which it follows instead.
     """
 
     name: str
@@ -152,6 +154,7 @@ class PedestrianConfig:
     group: Optional[str] = None
     area: Optional[Tuple[Point, Point]] = None
     stands: bool = False
+    walks: Tuple[Walk, ...] = ()
 
     @classmethod
     def read(
@@ -186,7 +189,7 @@ class WalkConfig:
     Attributes:
         layers: their collision layers; they avoid the walls of these.
         layer_bits: the bits of these layers.
-        update_rate: of the forces [Hz].
+        update_rate: the forces' update rate [Hz].
         goal_radius: distance at which a goal counts as reached [m].
         force: the social force model.
         orca: moves them instead of the forces.
@@ -238,11 +241,16 @@ class WalkConfig:
 
 @dataclass(frozen=True)
 class CrowdConfig:
-    """All keys of a crowd but its frame."""
+    """All keys of a crowd but its frame.
+
+    Attributes:
+        start: the range of times of its recording at which a world begins [s].
+    """
 
     walk: WalkConfig
     poses_pub: str
     pedestrians: Tuple[PedestrianConfig, ...]
+    start: Tuple[float, float] = (0.0, 0.0)
 
     @classmethod
     def read(
@@ -278,7 +286,7 @@ class CrowdConfig:
                 raise section.error(f'a model named "{pedestrian.name}" is already there', "name")
             return pedestrian
 
-        is_drawn = config.has("random") or config.has("circle")
+        is_drawn = any(config.has(key) for key in ("random", "circle", "recording"))
         pedestrians = config.get_sections("pedestrians", read_pedestrian, required=not is_drawn)
         drawn: List[PedestrianConfig] = []
         for key, read in (("random", _read_random), ("circle", _read_circle)):
@@ -286,6 +294,12 @@ class CrowdConfig:
                 section = config.get_section(key)
                 first = len(names) + len(drawn)
                 drawn += read(section, _names(name, first), build, attention)
+        start = (0.0, 0.0)
+        if config.has("recording"):
+            recorded = RecordedPeople.read(config.get_section("recording"))
+            start = recorded.start
+            free = _names(name, len(names) + len(drawn))
+            drawn += [_follower(walks, next(free), build, recorded) for walks in recorded.bodies]
         for each in drawn:
             if each.name in names or each.name in taken:
                 each.reader.problem(f'a model named "{each.name}" is already there')
@@ -293,6 +307,7 @@ class CrowdConfig:
             walk=walk,
             poses_pub=config.get_topic("poses_pub", f"{name}/poses"),
             pedestrians=(*pedestrians, *drawn),
+            start=start,
         )
         config.finish()
         return crowd
@@ -341,6 +356,14 @@ def _read_circle(
         pose = Pose(x, y, math.atan2(-y, -x))
         people.append(PedestrianConfig(name, pose, ((-x, -y),), build, section, attention))
     return people
+
+
+def _follower(
+    walks: Tuple[Walk, ...], name: str, build: Build, recorded: RecordedPeople
+) -> PedestrianConfig:
+    """The pedestrian that follows recorded walks."""
+    _, x, y = walks[0][0].tolist()
+    return PedestrianConfig(name, Pose(x, y), ((x, y),), build, recorded.reader, walks=walks)
 
 
 def _read_orca(section: YamlReader) -> Orca:

@@ -120,7 +120,7 @@ def odometry_maker(
     """Makes Odometry messages of a time.
 
     Args:
-        frame_id: of the pose.
+        frame_id: the pose's frame id.
         child_frame_id: of the twist.
         pose_covariance: 6 x 6, row by row.
         twist_covariance: the same.
@@ -141,7 +141,7 @@ def twist_maker(frame_id: str, covariance: Sequence[float]) -> Callable[[int], A
     """Makes TwistWithCovarianceStamped messages of a time.
 
     Args:
-        frame_id: of the twist.
+        frame_id: the twist's frame id.
         covariance: 6 x 6, row by row.
     """
 

@@ -100,6 +100,7 @@ class Person(NamedTuple):
             group=group,
             area=self.config.area,
             stands=self.config.stands,
+            recording=self.config.walks,
         )
 
     @classmethod

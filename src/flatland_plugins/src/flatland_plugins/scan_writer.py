@@ -18,7 +18,7 @@ class ScanWriter(MessageWriter):
     """Makes LaserScans that differ in their times, ranges and intensities alone.
 
     Args:
-        frame_id: of the lidar.
+        frame_id: the lidar's frame id.
         fields: the other fields of a LaserScan.
     """
 

@@ -65,6 +65,16 @@ plugins:
   - {type: Pedestrian, name: walk, goals: [[2, 0.5], [-2, 0]], layers: [map], update_rate: 11,
      safety_dist_body: circle, var_leg_offset: 0.05, step_time: 0.5}
 """.replace("LEG", "{type: circle, radius: 0.08, density: 1, collision: false}")
+RECORDING = """frame,id,x,y
+0,1,-2.5,-2
+10,1,-1.5,-2
+20,1,-0.5,-2.5
+5,2,2.2,2.5
+15,2,2.2,0
+60,7,2,-2
+70,7,2,-1
+"""
+"""In which two bodies show three people."""
 WALLS = ("-3 -3 3 -3", "3 -3 3 3", "3 3 -3 3", "-3 3 -3 -3", "-1 2 1 2", "1 1 1 2", "1 1 2.5 1")
 WORLD = """
 properties: {}
@@ -94,4 +104,5 @@ def write_world(folder: Path, drive="DiffDrive", noise="0", models=WORLD, others
     files.write("box.yaml", BOX)
     files.write("door.yaml", DOOR)
     files.write("walker.yaml", WALKER)
+    files.write("people.csv", RECORDING)
     return files.write("world.yaml", models.replace("MAP", files.walls("map", *WALLS)))

@@ -28,6 +28,10 @@ plugins:
       {name: ann, pose: [2, 0, 0], goals: [[-2, 0], [2, 0.5]], legs: true},
       {name: bob, pose: [-2, -2.5, 0], goals: [[-2, 2.5], [-2.2, -2.5]], radius: 0.2}]}
 """
+RECORDED = """
+plugins:
+  - {type: Crowd, name: people, recording: {file: people.csv, frame_rate: 20}}
+"""
 RANDOM_WALLS = """
 plugins:
   - {type: RandomWall, name: walls, layer: map, num_of_walls: 2, wall_wall_dist: 0.5,
@@ -39,6 +43,7 @@ WORLDS = {
     "OmniDrive": {"drive": "OmniDrive"},
     "TricycleDrive": {"drive": "TricycleDrive"},
     "crowd": {"models": WORLD + CROWD},
+    "recorded people": {"models": WORLD + RECORDED},
     "pedestrian": {"models": WORLD + "  - {name: walker, model: walker.yaml, pose: [2, 0.5, 0]}\n"},
     "random walls": {"models": WORLD + RANDOM_WALLS},
 }

@@ -29,9 +29,7 @@ def test_at_a_wall_it_tells_where_and_that_the_normal_goes_into_the_wall(files, 
 @pytest.mark.parametrize("mine", [DISC, BOX])
 @pytest.mark.parametrize("others", [DISC, BOX])
 @pytest.mark.parametrize("is_first", [True, False])
-def test_normals_go_from_the_robot_to_the_other_whichever_box2d_calls_the_first(
-    files, mine: str, others: str, is_first: bool
-):
+def test_normals_go_from_the_robot_to_the_other(files, mine: str, others: str, is_first: bool):
     # Box2D sorts the two by their shapes, and shapes of a kind by their age.
     obstacle = files.model("obstacle", footprint=others, body="type: static,")
     robot_file = files.model("robot", BUMPER, footprint=mine)

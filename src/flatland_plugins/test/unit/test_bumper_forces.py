@@ -42,7 +42,7 @@ def test_the_same_hit_in_longer_steps_is_a_smaller_force(files, step):
     assert max(forces) == pytest.approx(MASS * 2.0 / step, rel=1e-3)
 
 
-def test_a_hit_in_the_midst_of_a_step_takes_nothing_from_the_other_forces_of_the_step(files):
+def test_a_hit_within_a_step_adds_to_the_forces_of_the_step(files):
     # Pressed down on a floor, it flies along it into a wall: Box2D solves that step in two parts.
     robot = files.robot(BUMPER, pose="[0.6, 0.2, 0]", layers=wall(files, "-3 0 3 0", "1 -3 1 3"))
     press(robot, (0.0, -3.0), 0.5)

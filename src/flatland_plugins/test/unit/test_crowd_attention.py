@@ -127,7 +127,7 @@ def test_a_group_waits_for_who_is_slower(town):
 # Drawn places
 
 
-def test_drawn_people_begin_at_other_places_with_another_seed_and_stay_in_the_area(town):
+def test_drawn_people_depend_on_the_seed_and_stay_in_the_area(town):
     keys = "random: {count: 6, standing: 2, area: [[-4, -2], [4, 2]]}"
     names = [f"people_{i}" for i in range(6)]
     starts = []

@@ -50,7 +50,7 @@ def test_who_has_one_goal_stays_there(town):
     assert position(people) == pytest.approx((3.0, 1.0), abs=0.03)
 
 
-def test_people_face_where_they_go_and_turn_no_faster_than_half_a_turn_a_second(town):
+def test_people_face_where_they_go_and_turn_slowly(town):
     people = town("pose: [0, 0, -1.5], goals: [[-9, 0], [9, 0]]", keys=CALM)
     headings = []
 

@@ -58,7 +58,7 @@ def drive(simulation: Simulation, seconds: float):
     return seen
 
 
-def test_a_robot_bumps_into_specks_and_a_saved_run_goes_on_with_the_same_bits(world):
+def test_a_run_saved_among_specks_continues_with_the_same_bits(world):
     with Simulation(world) as simulation:
         [layer] = simulation.world.layers
         assert len(layer.segments) > 500_000

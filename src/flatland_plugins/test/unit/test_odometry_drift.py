@@ -78,7 +78,7 @@ DIVISIONS = pytest.mark.parametrize("parts", [5, 60])
 
 
 @DIVISIONS
-def test_a_robot_at_rest_drifts_by_its_variances_per_second_in_the_bodys_frame(parts):
+def test_a_robot_at_rest_drifts_by_variances_per_second(parts):
     ahead, left, turn, seconds = 0.04, 0.01, 0.0, 2.0
 
     error = errors(DriftVariances(per_second=(ahead, left, turn)), at_rest, 0.0, parts, seconds)

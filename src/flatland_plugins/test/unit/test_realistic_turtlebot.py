@@ -88,7 +88,7 @@ def test_the_covariance_of_its_twist_is_that_of_its_errors_at_full_speed(office_
 
 
 @pytest.mark.slow
-def test_a_filter_of_its_twist_drifts_as_its_pose_does_and_less_with_the_gyroscope(files):
+def test_a_filter_drifts_less_with_the_gyroscope(files):
     """Headings of fifteen robots, 8 m and 12 rad on: by odometry, its twist, and twist and IMU."""
     disc = "{type: circle, radius: 0.18, density: 38, layers: []}"  # which meets nothing
     bodies = f"bodies: [{{name: base_link, footprints: [{disc}]}}]"

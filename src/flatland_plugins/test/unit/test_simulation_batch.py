@@ -150,6 +150,20 @@ def test_drawn_people_are_those_of_a_simulation(world_of):
         assert_are_simulations(run_batch(world, 4, threads, 2), expected)
 
 
+RECORDED = """
+  - {type: Crowd, name: recorded, legs: true, update_rate: 17,
+     recording: {file: people.csv, frame_rate: 25, start: [0, 0.3]}}
+"""
+
+
+def test_recorded_people_are_those_of_a_simulation(world_of):
+    world = world_of(models=WORLD + CROWD + RECORDED)
+    expected = {k: run_simulation(world, k, 2) for k in range(4)}
+
+    for threads in (1, 2):
+        assert_are_simulations(run_batch(world, 4, threads, 2), expected)
+
+
 MORE_WALLS = """
   - {type: RandomWall, name: more, layer: map, num_of_walls: 2, wall_wall_dist: 0.4,
      robot_name: robot}

@@ -9,11 +9,18 @@ Modules below are implementation: they may change. Everything but `flatland_serv
 without a ROS master.
 """
 
+import importlib as _importlib
 import pkgutil as _pkgutil
 
 # The extension module is in catkin's devel space. A process that multiprocessing spawns has this
 # folder before it in sys.path, since the package there has put it there.
 __path__ = _pkgutil.extend_path(__path__, __name__)
+
+try:
+    _importlib.import_module("flatland_server._core")
+except ImportError as _error:
+    _cause = _importlib.import_module("flatland_server.wrong_python")
+    raise _cause.wrong_python(_error) from None
 
 from flatland_server import messages
 from flatland_server._core import (
@@ -42,6 +49,7 @@ from flatland_server._core import __version__ as __version__
 from flatland_server.array_math import cos_sin, from_segments, headings
 from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, PoseLike, Segments
 from flatland_server.canvas import Canvas
+from flatland_server.config.input_files import read_input
 from flatland_server.config.yaml_map import check_topic_name
 from flatland_server.config.yaml_reader import REQUIRED, Color, YamlReader
 from flatland_server.exceptions import (
@@ -166,6 +174,7 @@ __all__ = [
     "headings",
     "messages",
     "quaternion",
+    "read_input",
     "ros_time",
     "stamp_of",
     "wrap_angle",

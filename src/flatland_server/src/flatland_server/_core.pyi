@@ -89,6 +89,7 @@ class World(metaclass=_Metaclass):
         goal_radius: float,
         forces: tuple[float, float, float, float, float, float],
         orca: tuple[float, float, float, int] | None = None,
+        begin: float = 0.0,
     ) -> Crowd:
         """Adds a crowd without people, which moves them in the steps.
 
@@ -103,6 +104,7 @@ class World(metaclass=_Metaclass):
             orca: moves them by optimal reciprocal collision avoidance instead: time without
                 collisions with people and robots, and with walls [s], the distance up to which
                 people count [m], and how many of them.
+            begin: the time of its people's recordings at time 0 [s].
         """
     def step(self, dt: float) -> None:
         """Advances the simulation by `dt` [s], 1e-9 or more. Releases the GIL.
@@ -1226,6 +1228,7 @@ class Crowd(_WithoutConstructor):
         group: int = -1,
         area: tuple[_Pair, _Pair] | None = None,
         stands: bool = False,
+        recording: Sequence[FloatArray] = (),
     ) -> None:
         """Adds a person, on the way to the first goal. It leaves when one of its bodies is removed.
 
@@ -1245,6 +1248,8 @@ class Crowd(_WithoutConstructor):
             group: the people of a group keep together; -1: none.
             area: lower and upper corner of a rectangle in which goals are drawn [m].
             stands: at the place in the area at which `scatter` puts it.
+            recording: walks that it follows instead of going to goals, one after the other: rows of
+                time [s], x and y [m]. Between two of them it is away, beyond `AWAY`.
         """
     def follow(self, person: int, point: _PairLike, velocity: _PairLike) -> None:
         """Lets a person follow an agent from now on, instead of walking to its goals.
@@ -1264,7 +1269,13 @@ class Crowd(_WithoutConstructor):
         Infinite if there is none, or no wall within the reach of the forces.
         """
     def scatter(self) -> None:
-        """Puts people with an area at drawn places in it. One for which none is found stays."""
+        """Puts people with an area at drawn places in it: one for which none is found stays.
+
+        Those with a recording are put where it begins.
+        """
+
+AWAY: float
+"""People of a crowd who are away have larger coordinates [m]."""
 
 def orca_velocity(
     velocity: _PairLike,
@@ -1396,6 +1407,19 @@ class FloorSquares(metaclass=_Metaclass):
         """The number of squares."""
     def __contains__(self, point: _PairLike) -> bool:
         """True if a point is in one of the squares."""
+    def crop(self, poses: FloatArray, cells: int) -> BoolArray:
+        """Which places around robots are in one of the squares: a new array (n, cells²).
+
+        The places are the middles of squares of the same size in the robot's frame, the robot in
+        the middle: rows from behind to ahead of it, each from its right to its left.
+
+        Args:
+            poses: x, y [m] and yaw [rad], shape (n, 3).
+            cells: along each side.
+
+        Raises:
+            ValueError: an argument is wrong.
+        """
     def draw(self, rng: np.random.Generator) -> _Pair:
         """A random point in a square: x, y [m].
 

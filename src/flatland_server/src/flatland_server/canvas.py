@@ -34,7 +34,7 @@ class Canvas(ABC):
             corners: of a simple polygon, in either order.
             fill: colour of the inside; None leaves it as it is.
             outline: colour of the outline; None draws none.
-            width: of the outline.
+            width: the outline's width.
         """
 
     @abstractmethod
@@ -49,11 +49,11 @@ class Canvas(ABC):
         """Draws a disc.
 
         Args:
-            center: of the disc.
-            radius: of the disc.
+            center: the disc's center.
+            radius: the disc's radius.
             fill: colour of the inside; None leaves it as it is.
             outline: colour of the outline; None draws none.
-            width: of the outline.
+            width: the outline's width.
         """
 
     @abstractmethod
@@ -62,8 +62,8 @@ class Canvas(ABC):
 
         Args:
             segments: shape (n, 4), x1, y1, x2, y2.
-            color: of the lines.
-            width: of the lines.
+            color: the lines' color.
+            width: the lines' width.
         """
 
     @abstractmethod
@@ -72,8 +72,8 @@ class Canvas(ABC):
 
         Args:
             points: the corners of the line.
-            color: of the line.
-            width: of the line.
+            color: the line's color.
+            width: the line's width.
         """
 
     @abstractmethod
@@ -82,7 +82,7 @@ class Canvas(ABC):
 
         Args:
             points: their centres.
-            color: of the dots.
+            color: the dots' color.
             size: their diameter.
         """
 
@@ -93,5 +93,5 @@ class Canvas(ABC):
         Args:
             point: the top left corner of the text.
             text: one line.
-            color: of the text.
+            color: the text's color.
         """

@@ -135,6 +135,11 @@ class MissingPackageError(FlatlandError, ImportError):
     """A Python package that is needed is not installed; the message says how to install it."""
 
 
+def pip_install(extra: str) -> str:
+    """The command that installs an extra. flatland2d is on no registry yet, so it names a clone."""
+    return f"pip install '.[{extra}]' in Flatland's clone"
+
+
 class ModelError(FlatlandError):
     """A model or a part of it does not exist or cannot be created, or its name cannot be used."""
 

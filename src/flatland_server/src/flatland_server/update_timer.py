@@ -42,7 +42,7 @@ class UpdateTimer:
         """True if an update is due now; true once for each update.
 
         Args:
-            timekeeper: has the time.
+            timekeeper: the simulated time.
         """
         return self.check_update_at(timekeeper.nanoseconds)
 

@@ -202,7 +202,7 @@ def paths(fleet, world) -> list:
     return [str(m.config.path.relative_to(fleet.folder)) for m in world.models.values()]
 
 
-def test_a_model_is_looked_up_beside_the_world_and_then_in_the_folders_in_order(fleet):
+def test_a_model_is_looked_up_beside_the_world_then_in_folders(fleet):
     world = load(fleet, "a.yaml", "b.yaml", "c.yaml", "sub/d.yaml")
 
     assert paths(fleet, world) == ["one/a.yaml", "two/b.yaml", "world/c.yaml", "two/sub/d.yaml"]

@@ -196,7 +196,7 @@ def test_a_weld_snaps_its_anchors_together(files):
     )
 
 
-def test_the_angle_of_a_weld_is_that_of_the_second_body_relative_to_the_first(files):
+def test_the_angle_of_a_weld_is_the_second_bodys_relative_angle(files):
     world = files.spawn(hinged("angle: 0.7").replace("revolute", "weld"))
 
     step(world, 3.0)

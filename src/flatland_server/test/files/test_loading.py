@@ -69,7 +69,7 @@ def test_the_working_directory_does_not_matter(good_files, monkeypatch, tmp_path
         {"disc.yaml": DISC, "parts/disc.yaml": "wrong: true\n"},  # the root document's comes first
     ],
 )
-def test_a_file_named_in_an_include_is_relative_to_the_root_document_or_to_it(files, discs):
+def test_a_file_in_an_include_is_relative_to_the_root_or_to_it(files, discs):
     files.write("world.yaml", "properties: {}\nlayers: []\nmodels: $include parts/models.yaml\n")
     files.write("parts/models.yaml", "- {name: disc, model: disc.yaml}\n")
     for name, text in discs.items():
@@ -78,7 +78,7 @@ def test_a_file_named_in_an_include_is_relative_to_the_root_document_or_to_it(fi
     assert list(files.load().models) == ["disc"]
 
 
-def test_for_a_file_in_neither_place_the_error_has_the_path_beside_the_root_document(files):
+def test_a_missing_file_is_named_beside_the_root_document(files):
     files.write("world.yaml", "properties: {}\nlayers: []\nmodels: $include parts/models.yaml\n")
     files.write("parts/models.yaml", "- {name: disc, model: disc.yaml}\n")
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from blocks import blocks_of
 from page_run import ROOT
+from pypi_readme import absolute
 
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 FENCE = re.compile(r"^ *```.*?^ *```$", re.DOTALL | re.MULTILINE)
@@ -56,6 +57,15 @@ def dead_links(page):
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_each_link_leads_somewhere(page):
     assert dead_links(page) == []
+
+
+def test_readme_has_no_relative_link_on_pypi():
+    text = absolute((ROOT / "README.md").read_text(encoding="utf-8"), "git@host.org:a/b.git", "v1")
+    relative = [link for link in LINK.findall(text) if not re.match(r"https://|#", link)]
+
+    assert relative == []
+    assert "](https://host.org/a/b/raw/v1/docs/images/office.png)" in text
+    assert "](https://host.org/a/b/blob/v1/docs/index.md)" in text
 
 
 def test_each_page_that_code_and_scripts_name_exists():
@@ -126,11 +136,24 @@ def test_a_page_is_read_in_five_minutes():
         "docker",
         "moving obstacle",
         "teleport",
+        "rotate map",
+        "two lidars",
+        "ackermann",
+        "slow",
+        "namespace",
+        "gazebo",
+        "stage",
+        "noise",
+        "tf tree",
+        "odom drift",
+        "save map",
+        "ros2 nav2",
     ],
 )
 def test_common_questions_are_found_by_a_heading(question):
     """The site's search prefers headings with words that begin so."""
-    text = FENCE.sub("", (ROOT / "docs" / "how_do_i.md").read_text(encoding="utf-8"))
+    pages = [ROOT / "docs" / name for name in ("how_do_i.md", "coming_from.md")]
+    text = FENCE.sub("", "\n".join(page.read_text(encoding="utf-8") for page in pages))
     headings = [re.findall(r"\w+", line.lower()) for line in re.findall(r"^## (.+)$", text, re.M)]
 
     assert any(

@@ -45,7 +45,7 @@ class Peer:
     """A WebSocket client that can do what a library would not: stop reading, or send half a frame.
 
     Args:
-        url: of the server.
+        url: the server's url.
         buffer: size of the receive buffer [bytes], for a client that is to stall soon.
     """
 

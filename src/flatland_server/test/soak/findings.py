@@ -49,7 +49,7 @@ class Findings:
 
         Args:
             seconds: the time.
-            seed: of the first round.
+            seed: the first round's seed.
             run_round: runs a round of a seed.
             report: prints a line.
         """

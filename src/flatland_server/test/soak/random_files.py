@@ -26,7 +26,7 @@ class RandomFiles:
 
     Args:
         folder: an empty folder.
-        seed: of the changes.
+        seed: the changes' seed.
         findings: to which counts and violations are added.
     """
 

@@ -35,8 +35,8 @@ def save_at_random(server: Server, folder: Path, seed: int, count: int, findings
     Args:
         server: has the test room open, without other models, and so it has at the end.
         folder: is made.
-        seed: of the calls.
-        count: of the calls.
+        seed: the calls' seed.
+        count: number of calls.
         findings: of what is wrong.
     """
     shutil.copytree(WORLD.parent, folder / "room")

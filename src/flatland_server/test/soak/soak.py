@@ -33,7 +33,7 @@ class Soak:
     Args:
         folder: of logs and files.
         clients: the number of them that call services at once.
-        seed: of the first round.
+        seed: the first round's seed.
     """
 
     def __init__(self, folder: Path, clients: int, seed: int) -> None:

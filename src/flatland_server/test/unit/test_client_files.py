@@ -166,9 +166,7 @@ def test_the_folder_of_states_is_for_relative_names_and_is_not_left(world, kept,
             files.state(name)
 
 
-def test_with_a_folder_of_states_worlds_and_models_are_those_of_the_servers_owner(
-    world, kept, tmp_path
-):
+def test_with_a_state_folder_clients_name_only_the_owners_files(world, kept, tmp_path):
     files = ClientFiles(world, kept)
     foreign = tmp_path / "foreign.yaml"
     foreign.write_text(BOX)

@@ -63,7 +63,7 @@ def test_commands_in_time_slow_nothing_down(manager):
     assert run(manager, 1.0, commands) == pytest.approx(10.0, rel=0.02)
 
 
-def test_a_controller_that_has_ended_is_not_waited_for_until_it_commands_again(manager):
+def test_a_controller_that_has_ended_is_not_waited_for(manager):
     assert run(manager, 3.0, [1.0]) == pytest.approx(10.0 + 0.1 + 9.9, rel=0.02)
     assert run(manager, 3.5, [3.1]) == pytest.approx(1.0 + 0.1, abs=0.05)
 

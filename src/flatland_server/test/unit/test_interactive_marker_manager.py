@@ -82,7 +82,7 @@ def test_a_handle_follows_a_changed_footprint_but_not_while_it_is_dragged(handle
     assert radius() == pytest.approx(0.8)
 
 
-def test_a_client_that_drags_is_not_sent_where_and_others_cannot_drag_meanwhile(handles, updates):
+def test_a_dragged_model_belongs_to_its_client(handles, updates):
     handles.send(Feedback.MOUSE_DOWN, 0.0)
     handles.send(Feedback.POSE_UPDATE, 1.0)
     handles.send(Feedback.POSE_UPDATE, 7.0, client="other")

@@ -43,7 +43,7 @@ def test_walls_of_a_layer_stand_in_the_physical_world(maps):
     assert ranges.tolist() == pytest.approx([1.0])
 
 
-def test_all_names_of_a_layer_are_collision_layers_and_the_first_identifies_it(maps):
+def test_each_name_of_a_layer_is_a_collision_layer(maps):
     loaded = maps.load(world("{name: [a, b], map: wall.yaml}", "{name: c}"))
 
     assert [layer.name for layer in loaded.layers] == ["a", "c"]

@@ -68,7 +68,7 @@ def test_the_origins_yaw_turns_the_map_about_its_corner(maps):
     }
 
 
-def test_line_segments_may_begin_with_a_byte_order_mark_and_end_lines_as_on_windows(files):
+def test_line_segments_may_have_windows_line_ends_and_a_bom(files):
     (files.folder / "wall.dat").write_bytes(b"\xef\xbb\xbf0 0 1 1\r\n2 3 -1 2\r\n")
     path = files.write("wall.yaml", segment_map())
 

@@ -106,7 +106,7 @@ def test_two_publishers_of_a_frame_cause_one_warning_with_the_names_of_both(root
         assert word in message
 
 
-def test_three_publishers_of_a_frame_cause_two_warnings_however_often_they_publish(root, caplog):
+def test_three_publishers_of_a_frame_cause_two_warnings(root, caplog):
     nodes = [root.scoped("", f"robot{i}/drive") for i in range(3)]
 
     for _ in range(5):
@@ -217,9 +217,7 @@ def fail(_: Any) -> None:
     raise RuntimeError("no luck")
 
 
-def test_a_failing_callback_is_reported_with_its_topic_and_the_others_get_the_message(
-    root, transport
-):
+def test_a_failing_callback_is_reported_and_others_get_the_message(root, transport):
     robot, other = root.scoped("robot", "robot/drive"), root.scoped("", "other")
     failures: List[str] = []
     received: List[Any] = []

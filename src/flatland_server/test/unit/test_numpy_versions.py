@@ -10,7 +10,7 @@ from flatland_server import _core
 IMPORT = """
 import numpy
 numpy.__version__ = "2.4.6"
-import flatland_server._core
+import flatland_server
 """
 
 
@@ -19,4 +19,5 @@ def test_a_core_that_does_not_support_numpy_2_says_so():
         pytest.skip("built with a pybind11 that supports it")
     done = subprocess.run([sys.executable, "-c", IMPORT], capture_output=True, text=True)
     assert done.returncode == 1
-    assert "supports NumPy before 2, found NumPy 2.4.6: install numpy<2" in done.stderr
+    assert "supports NumPy before 2, found NumPy 2.4.6" in done.stderr
+    assert "use /usr/bin/python3, or a terminal without setup.bash" in done.stderr

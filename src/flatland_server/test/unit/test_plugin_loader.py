@@ -87,7 +87,7 @@ def test_a_plugin_is_found_with_the_namespace_that_is_declared(packages, namespa
 
 
 @pytest.mark.parametrize("package", ["", "flatland_plugins::"])
-def test_other_names_of_built_in_plugins_are_theirs_unless_a_package_has_them(packages, package):
+def test_an_alias_of_a_plugin_yields_to_a_package(packages, package):
     xml = '<class name="{0}" type="flatland_plugins.{1}.{0}"/>'
     publisher = xml.format("PosePublisher", "pose_publisher")
     pedestrian = xml.format("Pedestrian", "pedestrian")

@@ -215,7 +215,7 @@ def test_a_refusal_is_reported_once(master, registrar, caplog):
     assert len(master.calls) == 1
 
 
-def test_what_is_closed_before_its_end_is_unregistered_while_rospy_shuts_down(master, monkeypatch):
+def test_closed_topics_are_unregistered_while_rospy_shuts_down(master, monkeypatch):
     monkeypatch.setattr(module, "_BATCH", 4)
     registrar = Registrar(SimpleNamespace(uri="http://here:2"), master, is_ending=lambda: True)
     topics = [(f"/topic{number}", "std_msgs/Bool", Registration.PUB) for number in range(10)]

@@ -159,7 +159,7 @@ def test_messages_are_sent_at_the_end_of_a_step_if_they_are_due(holding):
     assert holding.events == ["message", "clock", "outbox"]
 
 
-def test_messages_that_wait_are_sent_at_the_end_of_a_step_that_nothing_follows(holding):
+def test_waiting_messages_are_sent_at_the_end_of_the_last_step(holding):
     holding.outbox.is_open = False
     holding.flush()
     assert holding.events == ["clock", "message"]

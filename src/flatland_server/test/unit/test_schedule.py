@@ -215,7 +215,7 @@ def test_a_plugin_may_change_its_update_rate(load):
     assert [step for step, _ in run(manager, 9)] == [0, 1, 2, 3, 5, 7]
 
 
-def test_a_plugin_that_changes_its_rate_when_it_is_asked_for_work_is_called_once_a_step(load):
+def test_a_plugin_that_sets_its_rate_in_has_work_is_called_once(load):
     manager, _ = load("type: Asked, name: asked")
     asked = plugins_of(manager)["asked"]
     asked.on_ask = lambda: setattr(asked, "update_timer", UpdateTimer(100.0))

@@ -75,9 +75,7 @@ def test_requested_steps_are_made_without_a_wait_and_then_reported(manager, tran
     assert manager.is_paused
 
 
-def test_requested_steps_do_not_wait_and_their_messages_are_sent_before_the_report(
-    manager, transport
-):
+def test_messages_of_requested_steps_are_sent_before_the_report(manager, transport):
     manager.after_step.append(lambda: transport.calls.append("step"))
     done = manager.request_steps(3)
     done.add_done_callback(lambda _: transport.calls.append("report"))
@@ -153,9 +151,7 @@ def test_steps_are_made_once_the_messages_have_come(manager, transport):
     assert done.result(0) == 10_000_000  # ns
 
 
-def test_a_message_before_the_request_counts_and_one_before_the_last_step_does_not(
-    manager, transport
-):
+def test_messages_since_the_last_step_count_for_a_request(manager, transport):
     transport.subscribe("/a", str, lambda _: None)
     transport.send("/a", "early")
     run(manager, 1)

@@ -11,7 +11,7 @@ class RobotTopic(NamedTuple):
     """A topic of commands.
 
     Attributes:
-        name: of the topic.
+        name: the topic's name.
         publishers: other nodes that publish on it.
     """
 

@@ -37,7 +37,7 @@ def test_shift_drives_half_as_fast_until_it_is_released(driving):
     assert driving.command(0.1) == Command(yaw=2)
 
 
-def test_a_key_that_came_once_is_held_until_the_terminal_would_have_repeated_it(driving):
+def test_a_key_typed_once_is_held_until_it_would_repeat(driving):
     driving.on_key(KeyEvent("w"), now=0.0)
     assert driving.command(0.69) == Command(x=1)
     assert driving.command(0.71) == Command()

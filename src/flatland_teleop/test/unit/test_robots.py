@@ -20,7 +20,7 @@ TYPES = [
 TOPICS = [RobotTopic("/r2/cmd_vel", ("/move_base",)), RobotTopic("/r10/cmd_vel")]
 
 
-def test_topics_are_those_with_subscribers_in_natural_order_with_other_publishers():
+def test_topics_with_subscribers_are_in_natural_order():
     assert robot_topics(STATE, TYPES, node="/teleop") == TOPICS
 
 

@@ -12,7 +12,7 @@ def ask_for_file(parent: QWidget, title: str, start: str, kinds: str, is_new: bo
 
     Args:
         parent: the window.
-        title: of the dialog.
+        title: the dialog's title.
         start: the folder, or the file, that it shows first; empty for the working directory.
         kinds: the files' kinds, such as "Worlds (*.yaml *.yml);;All files (*)".
         is_new: whether the file is to be written; otherwise there must be one. A name without a

@@ -28,7 +28,7 @@ _RATES = (0.1, 0.5, 1.0, 2.0, 5.0, 10.0, math.inf)
 _SEEKS = (
     ("&Back 10 s", "action_back", -10.0, "Alt+Left"),
     ("&Forward 10 s", "action_forward", 10.0, "Alt+Right"),
-    ("To the &latest moment", "action_latest", math.inf, "Alt+End"),
+    ("To the &latest time", "action_latest", math.inf, "Alt+End"),
 )
 """Moves in the history: text, name, how far [s], and key."""
 

@@ -14,8 +14,8 @@ class MoveDialog(QDialog):
     """Asks for a pose.
 
     Args:
-        parent: of the dialog.
-        name: of the model.
+        parent: the dialog's parent.
+        name: the model's name.
         pose: its present one: x, y [m], yaw [rad].
     """
 

@@ -43,7 +43,7 @@ def paths_of(kind: str, message: Any, path: str) -> List[str]:
 
     Args:
         kind: the type, such as `nav_msgs/Odometry`.
-        message: of this type.
+        message: a message of this type.
         path: empty for the whole message.
     """
     if not path and kind in _CURVES:

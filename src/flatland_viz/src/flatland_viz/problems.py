@@ -43,7 +43,7 @@ class Problems:
 
         Args:
             group: name of an independent reporter.
-            problems: of the group.
+            problems: the group's problems.
         """
         present = {(problem.source, problem.text): problem for problem in problems}
         former = self._lasting.get(group, {})

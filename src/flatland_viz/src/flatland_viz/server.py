@@ -162,7 +162,7 @@ class Server(QObject):
         )
 
     def seek(self, time: float) -> None:
-        """Pauses, and goes to a moment of the run [s]."""
+        """Pauses, and goes to a time of the run [s]."""
         self._call("seek", Seek, time)
 
     def reset(self) -> None:
@@ -215,9 +215,9 @@ class Server(QObject):
         """Calls a service on a thread of its own; emits `failed` if that does not succeed.
 
         Args:
-            name: of the service.
+            name: the service's name.
             service: its type.
-            arguments: of the request.
+            arguments: the request's arguments.
             then: called on the window's thread if it succeeds.
             done: a message for `done` on success, or a function that makes it of the response.
             refused: the title for `refused`, which is then emitted instead of `failed`.

@@ -18,7 +18,7 @@ class Simulation(NamedTuple):
     real_time_factor: float
     """Simulated seconds per second of real time, as measured."""
     begin: float = 0.0
-    """The first moment that the server can go back to [s]."""
+    """The first time that the server can go back to [s]."""
     end: float = 0.0
     """The last one [s]; equal to `begin` if there are none."""
     edits: int = 0

@@ -1,4 +1,4 @@
-"""The timeline below the view: a slider over the moments of the run that the server has kept."""
+"""The timeline below the view: a slider over the times of the run that the server has kept."""
 
 from typing import Any, Optional
 

@@ -84,7 +84,7 @@ class Toolbar(QObject):
         """Adds a button for an action of the menus.
 
         Args:
-            action: of the menus.
+            action: an action of the menus.
             icon_name: of a file in the folder `icons`.
             text: its name in the toolbar, which may be shorter than in the menu.
         """

@@ -57,7 +57,7 @@ class Window(QMainWindow):
         server: the connection to it.
         scene: the embedded rviz.
         problems: the sources of the badge's problems.
-        theme: of the application.
+        theme: the application's theme.
     """
 
     def __init__(

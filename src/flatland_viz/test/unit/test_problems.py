@@ -49,7 +49,7 @@ def test_a_state_that_was_cleared_comes_back_when_it_begins_again():
     assert [problem.time for problem in problems.latest_first] == [4.0]
 
 
-def test_the_entries_of_a_log_keep_their_numbers_and_come_back_when_they_are_repeated():
+def test_a_repeated_log_entry_comes_back_with_its_number():
     log = [Problem("/server", text, False, times, 1.0) for text, times in (("a", 3), ("b", 1))]
     problems = Problems()
     problems.report("log", log)

@@ -15,7 +15,7 @@ from flatland_viz.trail import Trails
 from flatland_viz.trail_display import odometry_topic
 
 
-def test_a_trail_has_a_point_every_few_centimetres_and_ends_where_time_goes_back_to():
+def test_a_trail_is_sampled_and_is_cut_when_time_goes_back():
     trails = Trails()
     for step in range(101):
         trails.see("r1", step / 100, (step / 100, 0.0, 0.0))

@@ -396,7 +396,7 @@ class Hungry(QWidget):
         _ = [[] for _ in range(10)]
 
 
-def test_the_look_changes_while_closed_widgets_wait_for_the_garbage_collector(application):
+def test_the_look_changes_while_closed_widgets_still_exist(application):
     thresholds = gc.get_threshold()
     gc.disable()
     widgets = [Hungry() for _ in range(50)]

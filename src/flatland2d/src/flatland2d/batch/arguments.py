@@ -42,7 +42,7 @@ def poses_of(
 
     Args:
         value: what a program has passed, of the shape (*rows, 3).
-        name: of the argument.
+        name: the argument's name.
         rows: number of environments; perhaps that of robots or models in each.
         mask: which environments, or which of the poses, matter; None: all.
 
@@ -115,8 +115,10 @@ def walls_of(
     """Walls of environments by their indices.
 
     Raises:
-        UsageError: there is no such environment, or it is not in the mask; or they are no walls.
+        UsageError: they are no dict of walls; or there is no such environment, or not in the mask.
     """
+    if not isinstance(value, Mapping):
+        raise UsageError(f"expected walls as a dict by environment, found {shown(value)}")
     for index, walls in value.items():
         require_index(index, count)
         if mask is not None and not mask[index]:

@@ -35,7 +35,7 @@ class BatchMotions:
     """The motions of all plugins, in the environments of a batch.
 
     Args:
-        roles: of the plugins.
+        roles: the roles of the plugins.
         count: number of environments, n.
         step_nanoseconds: length of a step.
     """

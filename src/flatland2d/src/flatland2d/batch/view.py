@@ -13,7 +13,7 @@ class BatchView:
     """Makes a `Simulation` when it is first needed, and later only moves its bodies.
 
     Args:
-        world: of the batch.
+        world: the batch's world.
         step_size: length of a step [s].
         params: of the world's plugins.
         loader: finds their classes.

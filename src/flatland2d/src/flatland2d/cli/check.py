@@ -54,7 +54,7 @@ def load(
     """Loads a world file; or a model or map file, into an otherwise empty world.
 
     Args:
-        path: of the file.
+        path: the file's path.
         preprocessor: for its expressions.
         model_folders: where models are looked up that are not beside the world file.
         transport: for the plugins; by default one without parameters.

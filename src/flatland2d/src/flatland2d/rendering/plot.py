@@ -18,7 +18,7 @@ def plot(
     """Draws a world into Matplotlib axes, which are in metres.
 
     Args:
-        renderer: of the world.
+        renderer: the world's renderer.
         ax: the axes; by default those that pyplot has at present.
         view: the section to show; by default the whole world.
         sensors: as for `Renderer.image`.

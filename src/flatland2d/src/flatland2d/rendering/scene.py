@@ -86,7 +86,7 @@ def bounds(world: World) -> Tuple[Point, Point]:
 
     Contents are the walls and the origins of the models; without walls, the models.
     """
-    models = list(world.models.values())
+    models = [each for each in world.models.values() if not each.is_away]
     places = [layer.segments.reshape(-1, 2) for layer in world.layers]
     margins = [0.0 if any(map(len, places)) else model.radius for model in models]
     for model, margin in zip(models, margins):

@@ -33,7 +33,7 @@ class View:
         left: column of the picture's first pixels; that of the world's origin is 0 [px].
         top: row of the picture's first pixels, counted downwards from the world's origin [px].
         scale: [px/m].
-        size: of the picture [px].
+        size: the picture's size [px].
     """
 
     left: int

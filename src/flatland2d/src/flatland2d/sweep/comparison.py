@@ -21,7 +21,7 @@ import numpy as np
 
 from flatland2d.sweep.intervals import CONFIDENCE
 from flatland2d.sweep.metrics import SUMMARISED
-from flatland_server.exceptions import FlatlandError, MissingPackageError
+from flatland_server.exceptions import FlatlandError, MissingPackageError, pip_install
 
 _RESAMPLES = 9999
 
@@ -61,8 +61,8 @@ def require_scipy() -> None:
         import scipy.stats  # noqa: F401
     except ImportError as error:
         raise MissingPackageError(
-            "comparisons need SciPy: apt-get install python3-scipy, or pip install "
-            f"'flatland2d[sweep]' ({str(error).splitlines()[0]})"
+            f"comparisons need SciPy: apt-get install python3-scipy, or {pip_install('sweep')} "
+            f"({str(error).splitlines()[0]})"
         ) from None
 
 
@@ -145,7 +145,7 @@ def runs_of(rows: Sequence[TextRow], worlds: Mapping[str, str] = {}) -> Dict[Tas
 
 def task_of(row: TextRow) -> Task:
     """The world, the parameters and the seed of a row."""
-    return tuple(_comparable(row[name]) for name in (*group_names(row), "seed"))
+    return tuple(comparable(row[name]) for name in (*group_names(row), "seed"))
 
 
 def group_names(row: TextRow) -> List[str]:
@@ -181,7 +181,7 @@ def comparison_rows(
     return found
 
 
-def _comparable(text: str) -> str:
+def comparable(text: str) -> str:
     """A value of a table, where 1 and 1.0 are the same: a column with fractions has the latter."""
     try:
         return repr(float(text))

@@ -35,7 +35,7 @@ def python_file(target: str, folder: Path) -> Optional[Path]:
 
     Args:
         target: the function's name.
-        folder: of the scenario file.
+        folder: the scenario file's folder.
     """
     module = target.rpartition(":")[0]
     return folder / module if module.endswith(".py") else None
@@ -46,7 +46,7 @@ def policy_file(controller: Controller, folder: Path) -> Path:
 
     Args:
         controller: an entry of a scenario file with a policy.
-        folder: of the scenario file.
+        folder: the scenario file's folder.
 
     Raises:
         FlatlandError: it is a `package://` name of a package that is not there.
@@ -101,8 +101,8 @@ def arguments_of(
     Args:
         controller: an entry of a scenario file.
         function: its function.
-        parameters: of a scenario.
-        folder: of the scenario file.
+        parameters: a scenario's parameters.
+        folder: the scenario file's folder.
 
     Raises:
         UsageError: the function does not take them.

@@ -1,17 +1,18 @@
 """Fingerprints of scenarios: equal ones have equal results, which are computed once.
 
-A fingerprint covers the scenario file and the contents of the files that it names: worlds, models
-and maps, the controller's file and the policy. Modules that a controller imports are not
-covered, nor are plugins.
+A fingerprint covers the scenario file and the contents of the files that it names: worlds, models,
+maps, recorded people, the file of the controller, the policy. Modules that it imports are
+not covered, nor are plugins.
 """
 
 import hashlib
 import importlib.util
 import json
+import os
 from contextlib import closing
 from itertools import product
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Set
+from typing import Any, Dict, List, Mapping, Set, Tuple
 
 from flatland2d.simulation import Simulation
 from flatland2d.sweep.controllers import arguments_of, find_controller, policy_file, python_file
@@ -34,7 +35,7 @@ class Fingerprints:
     """Computes the fingerprints of a sweep's scenarios, and so checks its worlds and controllers.
 
     Args:
-        settings: of the sweep.
+        settings: the sweep's settings.
 
     Attributes:
         unused: the parameters that change nothing: no file reads them, and no controller takes
@@ -85,6 +86,7 @@ class Fingerprints:
                 if key not in found:
                     content = worlds.content(world.source, parameters)
                     maps = self._maps(content, worlds.preprocessor)
+                    maps.update(self._files_of_plugins(content))
                     found[key] = _digest([content, maps, dict(vars(world.task))])
             self._params_read |= worlds.params_read
         return found
@@ -105,12 +107,25 @@ class Fingerprints:
             if isinstance(layer.get("map"), str) and layer["map"]:
                 path = Path(layer["map"])
                 config = MapConfig.from_file(path, preprocessor)
-                for file in filter(None, (path, config.source)):
-                    if file not in self._files:
-                        self._files[file] = _file(file)
-                    maps[file.name] = self._files[file]
+                maps.update(map(self._named, filter(None, (path, config.source))))
                 layer["map"] = path.name
         return maps
+
+    def _files_of_plugins(self, content: Dict[str, Any]) -> Dict[str, str]:
+        """The same of files that maps of the world's plugins name, as a Crowd's `recording`."""
+        files: Dict[str, str] = {}
+        for plugin in content.get("plugins") or ():
+            for value in plugin.values():
+                if isinstance(value, dict) and os.path.isabs(value.get("file") or ""):
+                    files.update([self._named(Path(value["file"]))])
+                    value["file"] = Path(value["file"]).name
+        return files
+
+    def _named(self, file: Path) -> Tuple[str, str]:
+        """The name of a file, and its fingerprint."""
+        if file not in self._files:
+            self._files[file] = _file(file)
+        return file.name, self._files[file]
 
 
 def _controller(controller: Controller, folder: Path, parameters: Mapping[str, Any]) -> str:

@@ -91,7 +91,7 @@ class LocalPool:
     A scenario is run again if its worker has died. One that takes too long is stopped.
 
     Args:
-        settings: of the sweep.
+        settings: the sweep's settings.
         size: number of worker processes at most; they are started when they are needed.
         report: called with a sentence for each worker that has died or was stopped.
     """
@@ -211,7 +211,7 @@ class _Worker:
     """A worker as its parent sees it.
 
     Args:
-        settings: of the sweep.
+        settings: the sweep's settings.
 
     Attributes:
         connection: its messages; at the end of the file, it has died.
@@ -306,7 +306,7 @@ def work(descriptor: int) -> None:
     """The program of a worker: runs the scenarios that its parent sends.
 
     Args:
-        descriptor: of the socket.
+        descriptor: the socket's descriptor.
     """
     os.dup2(2, 1)  # what controllers print does not mix with the results on standard output
     logging.basicConfig(format="%(message)s", level=logging.WARNING)

@@ -32,8 +32,8 @@ SUMMARISED: Dict[str, Metric] = {
     "success": Metric("success", 1, is_rate=True, is_gated=True),
     "collision": Metric("collision", -1, is_rate=True, is_gated=True),
     "person_collision": Metric("collision with a person", -1, is_rate=True),
-    "robot_at_fault": Metric("collision with a person by the robot's fault", -1, is_rate=True),
-    "success_unless_hit": Metric("success unless a person walks into it", 1, is_rate=True),
+    "robot_at_fault": Metric("at-fault collision with a person", -1, is_rate=True),
+    "success_unless_hit": Metric("success unless hit by a person", 1, is_rate=True),
     "timed_out": Metric("time-out", -1, is_rate=True),
     "time_to_goal": Metric("time to goal [s]", -1, is_gated=True),
     "path_to_goal": Metric("path to goal [m]", -1),
@@ -45,6 +45,7 @@ SUMMARISED: Dict[str, Metric] = {
     "intimate_fraction": Metric("fraction of time in intimate space", -1, 1.0),
     "personal_fraction": Metric("fraction of time in personal space", -1, 1.0),
     "social_fraction": Metric("fraction of time in social space", 0, 1.0),
+    "group_crossing_rate": Metric("group crossing rate", -1, 1.0),
     "stalled_time": Metric("stalled time [s]", -1),
     "heading_change": Metric("heading change [rad]", -1),
     "mean_jerk": Metric("mean jerk [m/s³]", -1),
@@ -62,7 +63,7 @@ def barn_score(success: bool, shortest: float, time: float, top_speed: float) ->
     Constrained Spaces", 2022), with the factors of its run.py of 2026: at most 0.5.
 
     Args:
-        success: of the run.
+        success: whether the run has reached its goal.
         shortest: length of the shortest path [m], above 0.
         time: until the goal was reached [s].
         top_speed: of the robot [m/s]; 2 in the challenge.
@@ -84,7 +85,7 @@ def motion_metrics(times: Sequence[float], poses: Sequence[Pose]) -> Dict[str, O
     (2023); N. Perez-Higueras et al., "HuNavSim" (2023).
 
     Args:
-        times: of the poses [s].
+        times: the poses' times [s].
         poses: of the robot, one more than control steps.
     """
     t, (x, y, yaw) = np.asarray(times), np.array(poses).reshape(-1, 3).T

@@ -2,14 +2,30 @@
 
 import io
 import textwrap
-from typing import Any, Collection, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
+from itertools import zip_longest
+from typing import (
+    Any,
+    Collection,
+    Dict,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+)
 
+from flatland2d.sweep.comparison import comparable
 from flatland2d.sweep.metrics import SUMMARISED, Metric
 from flatland2d.sweep.run import ESTIMATE_ENDS
-from flatland_server.exceptions import MissingPackageError
+from flatland2d.sweep.tables import text_of
+from flatland_server.exceptions import MissingPackageError, pip_install
 
 _LATEX = {
     **{each: f"\\{each}" for each in "&%$#_{}"},
+    "<": "$<$",
+    "\N{NO-BREAK SPACE}": "~",
     "~": "\\textasciitilde{}",
     "^": "\\textasciicircum{}",
     "\\": "\\textbackslash{}",
@@ -25,11 +41,34 @@ _PANELS_IN_ROW = 4  # as wide as the text of a page with two columns
 _MARKERS = "osD^vP*"
 _LETTERS = 20
 """In a line beside a panel."""
+_NARROW = 16
+"""In a line of a table of LaTeX; beside three controllers in one of two columns."""
 _LOWEST = -0.04
 """Lower end of an axis relative to its upper end: a mark at 0 is whole."""
+_LEVEL = 0.05
+"""Of p-values: a controller with a smaller one is worse than the best."""
 
 Summary = Sequence[Mapping[str, Any]]
 """See `summary_rows`."""
+
+Comparisons = Sequence[Mapping[str, Any]]
+"""See `comparison_rows`."""
+
+
+class _Cell(NamedTuple):
+    """A metric of a controller.
+
+    Attributes:
+        value: as text; empty if there is none.
+        interval: in brackets, or empty.
+        p: such as "p = 0.03", or empty.
+        is_bold: whether it is the best, or not significantly worse.
+    """
+
+    value: str
+    interval: str = ""
+    p: str = ""
+    is_bold: bool = False
 
 
 def with_metrics(summary: Summary, metrics: Collection[str]) -> Summary:
@@ -39,37 +78,74 @@ def with_metrics(summary: Summary, metrics: Collection[str]) -> Summary:
     return [{k: value for k, value in row.items() if k not in left_out} for row in summary]
 
 
-def markdown_table(summary: Summary) -> str:
-    """The summary as a table in Markdown: a row for each world and metric."""
+def markdown_table(summary: Summary, comparisons: Comparisons = ()) -> str:
+    """The summary as a table in Markdown: a row for each world and metric.
+
+    Args:
+        summary: of all worlds and controllers.
+        comparisons: see `latex_table`.
+    """
     heads = ["world", "metric", *_controllers(summary)]
     lines = [heads, ["---"] * len(heads)]
     for title, rows in _groups(summary).items():
-        lines += [[title, *line] for line in _lines(rows, heads[2:], summary)]
+        for label, cells in _lines(rows, heads[2:], summary, comparisons):
+            texts = [f"**{each.value}**" if each.is_bold else each.value for each in cells]
+            ends = [f" {cell.interval}" * bool(cell.interval) for cell in cells]
+            values = [f", {cell.p}" * bool(cell.p) for cell in cells]
+            lines.append([title, label, *map("".join, zip(texts, ends, values))])
     return "".join(
         f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |\n" for line in lines
     )
 
 
-def latex_table(summary: Summary) -> str:
+def latex_table(summary: Summary, comparisons: Comparisons = ()) -> str:
     """The summary as a tabular of LaTeX, with the rules of the package booktabs.
 
-    A column for each controller, and a block of metrics for each world with its parameters.
+    A column for each controller, and a block of metrics for each world with its parameters. An
+    interval is below its value, and a p-value below that, so that three controllers fit into one
+    of two columns of a page.
+
+    Args:
+        summary: of all worlds and controllers.
+        comparisons: of the controllers; those that are significantly worse than the best one are
+            told from the others, which are bold.
     """
     controllers = _controllers(summary)
     lines = [
+        "% Needs booktabs. In a column: \\footnotesize, and \\setlength{\\tabcolsep}{4pt}.",
         "% Intervals of 95 % confidence: Wilson's score interval for rates, Student's for means.",
         "% Times and paths to the goal, and fractions, are those of the runs that have reached it.",
-        f"\\begin{{tabular}}{{l{'r' * len(controllers)}}}",
+    ]
+    if comparisons:
+        lines += [
+            "% p: of the same tasks as the best controller's, by McNemar's exact test for rates",
+            "% and Wilcoxon's signed-rank test for means, adjusted by Holm's method for the table.",
+            f"% Bold: the best and those that are not worse at p < {_LEVEL:g}, where any is worse.",
+        ]
+    lines += [
+        f"\\begin{{tabular}}{{@{{}}l{'r' * len(controllers)}@{{}}}}",
         "\\toprule",
-        _latex_row(["", *controllers]),
+        _latex_row(["", *map(_in_latex, controllers)]),
     ]
     for title, rows in _groups(summary).items():
         width = len(controllers) + 1
         lines += [
             "\\midrule",
-            f"\\multicolumn{{{width}}}{{l}}{{\\textit{{{_in_latex(title)}}}}} \\\\",
+            f"\\multicolumn{{{width}}}{{@{{}}l@{{}}}}{{\\textit{{{_in_latex(title)}}}}} \\\\",
         ]
-        lines += map(_latex_row, _lines(rows, controllers, summary))
+        for label, cells in _lines(rows, controllers, summary, comparisons):
+            texts = [_in_latex(each.value) for each in cells]
+            below = [[each.interval for each in cells], [each.p for each in cells]]
+            values = [
+                [f"\\textbf{{{k}}}" if each.is_bold else k for k, each in zip(texts, cells)],
+                *(map(_small, each) for each in below if any(each)),
+            ]
+            words = map(_in_latex, textwrap.wrap(_unbroken(label), _NARROW))
+            blank = [""] * len(cells)
+            for word, row in zip_longest(words, values):
+                lines.append(_latex_row([word or "", *(row or blank)]))
+            lines.append("\\addlinespace[2pt]")
+        lines.pop()
     return "\n".join([*lines, "\\bottomrule", "\\end{tabular}"]) + "\n"
 
 
@@ -87,8 +163,8 @@ def figure(summary: Summary) -> bytes:
         from matplotlib.figure import Figure
     except ImportError as error:
         raise MissingPackageError(
-            "the figure needs matplotlib: apt-get install python3-matplotlib, or pip install "
-            f"'flatland2d[sweep]' ({str(error).splitlines()[0]})"
+            "the figure needs matplotlib: apt-get install python3-matplotlib, or "
+            f"{pip_install('sweep')} ({str(error).splitlines()[0]})"
         ) from None
     metrics = [name for name in SUMMARISED if any(row.get(name) for row in summary)]
     groups, controllers = _groups(summary), _controllers(summary)
@@ -106,13 +182,11 @@ def figure(summary: Summary) -> bytes:
                 _draw(panel, places, group, name, index % len(_COLORS), label)
             panel.set_xticks(range(len(controllers)), controllers, rotation=30, ha="right")
             panel.set_xlim(-0.5, len(controllers) - 0.5)
-            panel.set_ylabel(
-                textwrap.fill(_name(name).replace(" [", "\N{NO-BREAK SPACE}["), _LETTERS)
-            )
+            panel.set_ylabel(textwrap.fill(_unbroken(_name(name)), _LETTERS))
             top = 100.0 if SUMMARISED[name].is_rate else panel.get_ylim()[1]
             panel.set_ylim(_LOWEST * top, (1.0 - _LOWEST) * top)
             panel.grid(axis="y", linewidth=0.3)
-        if len(groups) > 1:
+        if len(groups) > 1 and metrics:
             drawn.axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False)
         file = io.BytesIO()
         drawn.savefig(file, format="pdf", metadata={"CreationDate": None})
@@ -143,26 +217,79 @@ def _groups(summary: Summary) -> Dict[str, List[Mapping[str, Any]]]:
     """The rows by world and parameters, such as "office, speed 0.5"."""
     groups: Dict[str, List[Mapping[str, Any]]] = {}
     for row in summary:
-        names = [name for name in list(row)[: list(row).index("scenarios")] if name != "controller"]
-        parts = [f"{row[name]}" if name == "world" else f"{name} {row[name]}" for name in names]
+        parts = [
+            f"{row[name]}" if name == "world" else f"{name} {row[name]}"
+            for name in _task_names(row)
+        ]
         groups.setdefault(", ".join(parts), []).append(row)
     return groups
 
 
-def _lines(rows: Summary, controllers: Sequence[str], summary: Summary) -> Iterator[List[str]]:
+def _task_names(row: Mapping[str, Any]) -> List[str]:
+    """The columns of world and parameters."""
+    names = list(row)
+    return [name for name in names[: names.index("scenarios")] if name != "controller"]
+
+
+def _lines(
+    rows: Summary, controllers: Sequence[str], summary: Summary, comparisons: Comparisons
+) -> Iterator[Tuple[str, List[_Cell]]]:
     """The numbers of runs, and the metrics that have values: a label, and a cell by controller.
 
     A metric has equally many decimals in the whole summary.
     """
     by_controller = {str(row["controller"]): row for row in rows}
     found = [by_controller.get(name) for name in controllers]
-    yield ["runs", *(str(row["scenarios"]) if row else "" for row in found)]
+    yield "runs", [_Cell(str(row["scenarios"]) if row else "") for row in found]
     if any(row["failed"] for row in rows):
-        yield ["failed to run", *(str(row["failed"]) if row else "" for row in found)]
+        yield "failed to run", [_Cell(str(row["failed"]) if row else "") for row in found]
+    compared = _compared(rows[0], comparisons)
     for name in rows[0]:
         if f"{name}_low" in rows[0] and any(row[name] is not None for row in rows):
             form = _form(name, summary)
-            yield [_label(name), *(_cell(name, row, form) if row else "" for row in found)]
+            cells = [_cell(name, row, form) if row else _Cell("") for row in found]
+            yield _label(name), _judged(cells, found, name, compared)
+
+
+def _compared(row: Mapping[str, Any], comparisons: Comparisons) -> Dict[Tuple[str, ...], Any]:
+    """The comparisons of the world and parameters of a row: by metric and both controllers."""
+    names = _task_names(row)
+    task = [comparable(text_of(row[name])) for name in names]
+    keys = ("metric", "controller", "against")
+    return {
+        tuple(each[key] for key in keys): each
+        for each in comparisons
+        if [each[name] for name in names] == task
+    }
+
+
+def _judged(
+    cells: List[_Cell],
+    rows: Sequence[Optional[Mapping[str, Any]]],
+    name: str,
+    compared: Mapping[Tuple[str, ...], Any],
+) -> List[_Cell]:
+    """The cells of a metric with p-values against the best one; bold if another one is worse."""
+    better = SUMMARISED[name].better if name in SUMMARISED else 0
+    values = {i: better * row[name] for i, row in enumerate(rows) if row and row[name] is not None}
+    if not better or not values:
+        return cells
+    best = max(values, key=values.__getitem__)
+    worse = set()
+    found = list(cells)
+    for i in values:
+        names = [str(row["controller"]) for row in (rows[i], rows[best]) if row]
+        sign = better
+        result = compared.get((name, *names))
+        if result is None:
+            sign, result = -better, compared.get((name, *names[::-1]))
+        if result is not None:
+            p = result["p"]
+            found[i] = cells[i]._replace(p="p < 0.001" if p < 0.001 else f"p = {p:.3f}")
+            if p < _LEVEL and sign * (result["mean"] - result["other_mean"]) < 0.0:
+                worse.add(i)
+    bold = set(values).difference(worse) if worse else set()
+    return [cell._replace(is_bold=i in bold) for i, cell in enumerate(found)]
 
 
 def _name(metric: str) -> str:
@@ -175,6 +302,13 @@ def _label(metric: str) -> str:
     """The same with an arrow: up if more is better, down if less is."""
     better = SUMMARISED[metric].better if metric in SUMMARISED else 0
     return _name(metric) + ("", " \N{UPWARDS ARROW}", " \N{DOWNWARDS ARROW}")[better]
+
+
+def _unbroken(label: str) -> str:
+    """A label in which no line ends before its unit or its arrow."""
+    for each in "[\N{UPWARDS ARROW}\N{DOWNWARDS ARROW}":
+        label = label.replace(f" {each}", f"\N{NO-BREAK SPACE}{each}")
+    return label
 
 
 def _ends(name: str, row: Mapping[str, Any]) -> Tuple[Optional[float], ...]:
@@ -194,7 +328,7 @@ def _form(name: str, rows: Summary) -> str:
     return ".1f" if most >= 10.0 or not most else ".2f" if most >= 1.0 else ".3f"
 
 
-def _cell(name: str, row: Mapping[str, Any], form: str) -> str:
+def _cell(name: str, row: Mapping[str, Any], form: str) -> _Cell:
     """A metric with its interval."""
 
     def text(number: float) -> str:
@@ -203,13 +337,19 @@ def _cell(name: str, row: Mapping[str, Any], form: str) -> str:
 
     value, low, high = _ends(name, row)
     if value is None:
-        return ""
-    ends = "" if low is None or high is None else f" [{text(low)}, {text(high)}]"
-    return text(value) + ends
+        return _Cell("")
+    if low is None or high is None:
+        return _Cell(text(value))
+    return _Cell(text(value), f"[{text(low)}, {text(high)}]")
 
 
 def _latex_row(cells: Sequence[str]) -> str:
-    return f"{' & '.join(map(_in_latex, cells))} \\\\"
+    return f"{' & '.join(cells)} \\\\"
+
+
+def _small(text: str) -> str:
+    """A small text of LaTeX."""
+    return f"{{\\scriptsize {_in_latex(text).replace('p', '$p$', 1)}}}" if text else ""
 
 
 def _in_latex(text: str) -> str:

@@ -84,7 +84,7 @@ def world_file(source: str, folder: Path) -> Path:
 
     Args:
         source: its file or name, as it is written in the scenario file.
-        folder: of the scenario file.
+        folder: the scenario file's folder.
 
     Raises:
         FlatlandError: there is neither a file nor a shipped world of this name.
@@ -128,7 +128,7 @@ class SweepWorlds:
 
         Args:
             source: as it is written in the scenario file.
-            parameters: of a scenario.
+            parameters: a scenario's parameters.
             seed: of a scenario, for random numbers in expressions.
 
         Raises:

@@ -3,16 +3,23 @@
 The zones are those of E. T. Hall, "The Hidden Dimension" (1966): intimate up to 0.45 m, personal up
 to 1.2 m, social up to 3.6 m. As for clearances, a distance is that between the outlines: from the
 robot's footprints to the circle around a person.
+
+The group crossing rate is that of U. K. Roy and S. Rahman, "TAGA: A Tangent-Based Reactive Approach
+for Socially Compliant Robot Navigation Around Human Groups" (arXiv:2503.21168, version 3; its first
+version calls it the group collision rate): the part of the time in which the robot's origin is in
+the convex hull of a group. The hull is that of circles, so that two people have one, too.
 """
 
-from typing import Any, Dict, List, Mapping, Tuple
+from typing import Any, Dict, List, Mapping, Sequence, Tuple
 
 import numpy as np
 
-from flatland_server.array_math import from_segments
+from flatland_server.array_math import cos_sin, from_segments
 from flatland_server.arrays import FloatArray
+from flatland_server.geometry import Point
 from flatland_server.models.footprint import Circle
 from flatland_server.models.model import Model
+from flatland_server.plugins.plugin import Plugin
 from flatland_server.simulation.world import World
 
 ZONES = {"intimate_fraction": 0.45, "personal_fraction": 1.2, "social_fraction": 3.6}
@@ -20,25 +27,26 @@ ZONES = {"intimate_fraction": 0.45, "personal_fraction": 1.2, "social_fraction":
 
 
 _STANDING = 0.05  # m/s
+_DIRECTIONS = np.stack(cos_sin(np.radians(np.arange(360.0))), axis=-1)
 
 Twist = Tuple[float, float, float]
 
 
 def people_of(world: World) -> List[Model]:
     """The models that plugins move as people."""
-    return [
-        model
-        for owner in ("", *world.models)
-        for plugin in world.plugins_of(owner).values()
-        for model in plugin.people
-    ]
+    return [model for plugin in _plugins_of(world) for model in plugin.people]
+
+
+def _plugins_of(world: World) -> List[Plugin]:
+    owners = ("", *world.models)
+    return [plugin for owner in owners for plugin in world.plugins_of(owner).values()]
 
 
 class PeopleMetrics:
     """Measures the distance from the nearest person at control steps.
 
     Args:
-        world: of the robot.
+        world: the robot's world.
         robot: the driven model.
     """
 
@@ -48,6 +56,8 @@ class PeopleMetrics:
         self._distances: List[float] = []
         self._durations: List[float] = []
         self._is_crowded = bool(people_of(world))
+        self._grouping = [plugin for plugin in _plugins_of(world) if plugin.groups]
+        self._time = self._time_in_groups = 0.0
         self._collision: Dict[str, Any] = {"person_collision": False, "robot_at_fault": False}
 
     def velocities(self) -> Dict[str, Twist]:
@@ -80,12 +90,16 @@ class PeopleMetrics:
         }
 
     def measure(self, duration: float) -> None:
-        """Measures after a control step; nothing without people.
+        """Measures after a control step; nothing while there are no people.
 
         Args:
-            duration: of the control step [s].
+            duration: the control step's duration [s].
         """
-        people = people_of(self._world)
+        self._time += duration
+        groups = [group for plugin in self._grouping for group in plugin.groups]
+        if any(is_among(self._robot.pose[:2], group) for group in groups):
+            self._time_in_groups += duration
+        people = [each for each in people_of(self._world) if not each.is_away]
         if people:
             edges, radii = _outlines(self._robot)
             places = np.array([person.pose[:2] for person in people])
@@ -104,21 +118,34 @@ class PeopleMetrics:
         - `mean_people_distance`: the mean over control steps, by their durations [m].
         - `intimate_fraction`, `personal_fraction`, `social_fraction`: of the time, in which the
           nearest person was at that distance.
+        - `group_crossing_rate`: of the time, in which the robot was among people of a group.
         """
-        if not self._distances:
+        if not self._is_crowded:
             return {}
+        found: Dict[str, Any] = dict(self._collision)
+        if self._grouping and self._time:
+            found["group_crossing_rate"] = self._time_in_groups / self._time
+        if not self._distances:
+            return found
         distances, durations = np.array(self._distances), np.array(self._durations)
-        found: Dict[str, Any] = {
-            **self._collision,
-            "people_distance": float(distances.min()),
-            "mean_people_distance": float(np.average(distances, weights=durations)),
-        }
+        found["people_distance"] = float(distances.min())
+        found["mean_people_distance"] = float(np.average(distances, weights=durations))
         nearer = 0.0
         for name, end in ZONES.items():
             inside = durations[(distances >= nearer) & (distances < end)]
             found[name] = float(inside.sum() / durations.sum())
             nearer = end
         return found
+
+
+def is_among(point: Point, people: Sequence[Model]) -> bool:
+    """Whether a point is in the convex hull of the circles around people.
+
+    It is, unless all of them lie on one side of a line through it. The lines are a degree apart.
+    """
+    centers = np.array([person.pose[:2] for person in people]) - point
+    reach = _DIRECTIONS @ centers.T + [person.radius for person in people]
+    return bool((reach.max(axis=1) >= 0.0).all())
 
 
 def _outlines(model: Model) -> Tuple[FloatArray, FloatArray]:

@@ -12,7 +12,7 @@ from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Tupl
 from flatland2d.sweep.local_pool import Done, LocalPool
 from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.settings import Scenario, SweepSettings
-from flatland_server.exceptions import FlatlandError
+from flatland_server.exceptions import FlatlandError, pip_install
 
 LOCAL = "local"
 """Instead of an address: starts a cluster on this machine alone."""
@@ -28,7 +28,7 @@ class RayPool:
     """Runs scenarios on a Ray cluster.
 
     Args:
-        settings: of the sweep.
+        settings: the sweep's settings.
         address: of the cluster, such as "auto" or "ray://head:10001"; "local" starts one.
         size: how many scenarios run at a time; None: as many as the cluster has CPUs.
         report: called with a sentence for each worker that has died or was stopped.
@@ -51,7 +51,7 @@ class RayPool:
             import ray
         except ImportError as error:
             raise FlatlandError(
-                "--ray needs Ray: pip install 'flatland2d[ray]', or in a ROS workspace as "
+                f"--ray needs Ray: {pip_install('ray')}, or in a ROS workspace as "
                 f"docs/sweeps.md says under Parquet and Ray ({error})"
             ) from None
         self._ray = ray

@@ -48,6 +48,7 @@ METRICS = (
     "intimate_fraction",
     "personal_fraction",
     "social_fraction",
+    "group_crossing_rate",
     "stalled_time",
     "heading_change",
     "mean_jerk",
@@ -101,12 +102,12 @@ class SweepRun:
 
     Args:
         simulation: at time 0.
-        settings: of the sweep.
-        task: of the robot.
+        settings: the sweep's settings.
+        task: the robot's task.
         robot: the driven model; None for a world that runs by itself.
         goal: x, y [m]; None if there is none.
         shortest: length of the shortest path to the goal [m]; None if it is not known.
-        seed: of the scenario.
+        seed: the scenario's seed.
         parameters: of the scenario, by name.
         observers: called at each step.
 
@@ -115,7 +116,7 @@ class SweepRun:
         robot: handle of the robot.
         goal: x, y [m], or None.
         goal_radius: how near to the goal the robot has arrived [m].
-        seed: of the scenario.
+        seed: the scenario's seed.
         parameters: values of the sweep's parameters in this scenario, by name.
         rng: random numbers for the controller, seeded by the scenario.
         path: positions of the robot at the beginning and after each `step` [m].

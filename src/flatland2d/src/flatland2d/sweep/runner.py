@@ -61,7 +61,7 @@ class ScenarioRunner:
     """Runs scenarios of a sweep, and keeps the worlds that it has read.
 
     Args:
-        settings: of the sweep.
+        settings: the sweep's settings.
     """
 
     def __init__(self, settings: SweepSettings) -> None:
@@ -74,8 +74,8 @@ class ScenarioRunner:
         """Runs a scenario.
 
         Args:
-            scenario: of the sweep.
-            observers: of the run.
+            scenario: a scenario of the sweep.
+            observers: the observers of the run.
 
         Returns:
             The result; also if the controller raises an exception.
@@ -264,7 +264,7 @@ def _draw_start_and_goal(
     Args:
         simulation: at time 0, with the robot where the world file puts it.
         robot: the driven model.
-        task: of the robot.
+        task: the robot's task.
         seed: of the scenario. Equal seeds give equal places, whatever the controller is.
 
     Raises:

@@ -27,7 +27,7 @@ def read_scenario_file(path: Path) -> SweepSettings:
     """The content of a scenario file.
 
     Args:
-        path: of the file.
+        path: the file's path.
 
     Raises:
         YamlError: something in it is wrong; lists everything that was found.

@@ -169,12 +169,16 @@ class Sweep:
             self._write_if_possible("results.parquet", lambda: parquet(table)),
             self._write_if_possible("summary.pdf", lambda: figure(chosen)),
         ]
+        compared: List[Dict[str, Any]] = []
+
+        def comparisons() -> bytes:
+            compared.extend(comparison_rows(read_rows(self.folder), self.groups, metrics))
+            return csv_bytes(table_of(compared))
+
         if len(self.settings.controllers) > 1:
-            problems.append(
-                self._write_if_possible("comparisons.csv", lambda: self._comparisons(metrics))
-            )
-        write_file(self.folder / "summary.md", markdown_table(chosen).encode())
-        write_file(self.folder / "summary.tex", latex_table(chosen).encode())
+            problems.append(self._write_if_possible("comparisons.csv", comparisons))
+        write_file(self.folder / "summary.md", markdown_table(chosen, compared).encode())
+        write_file(self.folder / "summary.tex", latex_table(chosen, compared).encode())
         numbers = _evenly([row["scenario"] for row in unsuccessful(rows)], pictures)
         to_draw = [self.scenarios[number - 1] for number in numbers]
         drawn = {done.scenario.number: done.answer or b"" for done in pool.map(draw, to_draw)}
@@ -190,9 +194,6 @@ class Sweep:
         reasons = Counter(row["error"] for row in failed)
         example = max(failed, key=lambda row: reasons[row["error"]], default={})
         return Written(summary, len(failed), example, list(filter(None, problems)))
-
-    def _comparisons(self, metrics: Collection[str]) -> bytes:
-        return csv_bytes(table_of(comparison_rows(read_rows(self.folder), self.groups, metrics)))
 
     def _write_if_possible(self, name: str, content: Callable[[], bytes]) -> str:
         """Writes a file that needs a package. Returns why it is not there; empty if it is.

@@ -17,7 +17,7 @@ from flatland2d.sweep.run import ESTIMATE_ENDS, METRICS
 from flatland2d.sweep.runner import Result
 from flatland2d.sweep.settings import Scenario
 from flatland_server.config.input_files import replacing
-from flatland_server.exceptions import FlatlandError, MissingPackageError
+from flatland_server.exceptions import FlatlandError, MissingPackageError, pip_install
 
 BOOL, INT, FLOAT, STRING = "bool", "int64", "float64", "string"
 
@@ -44,7 +44,7 @@ class Entry:
     """A scenario that is done.
 
     Attributes:
-        result: of the scenario.
+        result: the result of the scenario.
         seconds: of real time.
         attempts: how often it was begun.
     """
@@ -137,7 +137,7 @@ def column(name: str, values: Iterable[Any]) -> Column:
     Numbers that are not all whole are float64; values of several types, and lists, are strings.
     """
     name = _writable(name)
-    found = [json.dumps(v) if isinstance(v, (list, dict)) else v for v in values]
+    found = [text_of(v) if isinstance(v, (list, dict)) else v for v in values]
     types = {type(value) for value in found if value is not None}
     if not types or types == {bool}:
         return Column(name, BOOL if types else FLOAT, found)
@@ -146,7 +146,7 @@ def column(name: str, values: Iterable[Any]) -> Column:
         return Column(name, INT, found)
     if types <= {int, float} and is_small:
         return Column(name, FLOAT, [None if v is None else float(v) for v in found])
-    return Column(name, STRING, [None if v is None else _writable(_text(v)) for v in found])
+    return Column(name, STRING, [None if v is None else text_of(v) for v in found])
 
 
 def table_of(rows: Sequence[Mapping[str, Any]]) -> Table:
@@ -163,7 +163,7 @@ def csv_bytes(table: Table) -> bytes:
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow([each.name for each in table])
     for row in zip(*(each.values for each in table)):
-        writer.writerow(["" if value is None else _text(value) for value in row])
+        writer.writerow(["" if value is None else text_of(value) for value in row])
     return file.getvalue().encode()
 
 
@@ -178,8 +178,8 @@ def parquet(table: Table) -> bytes:
         import pyarrow.parquet
     except ImportError as error:
         raise MissingPackageError(
-            "a Parquet file needs pyarrow: pip install 'flatland2d[sweep]', or in a ROS workspace "
-            f"as docs/sweeps.md says under Parquet and Ray ({str(error).splitlines()[0]})"
+            f"a Parquet file needs pyarrow: {pip_install('sweep')}, or in a ROS workspace as "
+            f"docs/sweeps.md says under Parquet and Ray ({str(error).splitlines()[0]})"
         ) from None
     types = {
         BOOL: pyarrow.bool_(),
@@ -213,10 +213,12 @@ def _writable(text: str) -> str:
     return text.encode("utf-8", "backslashreplace").decode()
 
 
-def _text(value: Any) -> str:
+def text_of(value: Any) -> str:
     """A value as text in a CSV file."""
+    if isinstance(value, (list, dict)):
+        return json.dumps(value)
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, float) and not math.isfinite(value):
         return "nan" if math.isnan(value) else "inf" if value > 0 else "-inf"
-    return repr(value) if isinstance(value, float) else str(value)
+    return repr(value) if isinstance(value, float) else _writable(str(value))

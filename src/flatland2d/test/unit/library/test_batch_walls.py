@@ -107,7 +107,7 @@ def test_wrong_walls_change_nothing():
     own = Walls(box(1.0))
     with SimulationBatch(WORLD, 2) as batch:
         before = batch.observe()
-        for walls in ({2: own}, {-1: own}, {0: box(1.0)}):
+        for walls in ({2: own}, {-1: own}, {0: box(1.0)}, own):
             with pytest.raises(UsageError, match="expected"):
                 batch.reset(walls=walls)
         with pytest.raises(UsageError, match="that are reset"):

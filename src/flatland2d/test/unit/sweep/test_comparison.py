@@ -152,7 +152,7 @@ def noisy(scale, seed, count=100):
     return (scale * tasks * np.random.default_rng(seed).normal(1.0, 0.1, count)).tolist()
 
 
-def test_the_gate_catches_ten_per_cent_and_lets_the_same_pass_for_twenty_seeds():
+def test_the_gate_catches_ten_per_cent_and_nothing_else():
     base = rows("a", noisy(1.0, 0))
 
     def is_worse(scale, seed):
@@ -275,6 +275,7 @@ def test_a_wrong_number_in_a_baseline_is_named():
 
 
 ENDS = ("", "_low", "_high")
+ENDS_OF_TIME = tuple(f"time_to_goal{end}" for end in ENDS)
 EMPTY = {f"{name}{end}": None for name in SUMMARISED for end in ENDS}
 SUCCESS = {"success": 0.9, "success_low": 0.6, "success_high": 0.98}
 SUMMARY = [
@@ -288,10 +289,11 @@ def test_a_table_for_latex_has_a_column_for_each_controller():
 
     assert all(line.startswith("% ") for line in notes.splitlines())
     assert table == (
-        "{tabular}{lrr}\n\\toprule\n & a \\& b & c|d \\\\\n\\midrule\n"
-        "\\multicolumn{3}{l}{\\textit{room\\_1}} \\\\\n"
-        "runs & 10 & 10 \\\\\n"
-        "success [\\%] $\\uparrow$ & 90.0 [60.0, 98.0] & 90.0 [60.0, 98.0] \\\\\n"
+        "{tabular}{@{}lrr@{}}\n\\toprule\n & a \\& b & c|d \\\\\n\\midrule\n"
+        "\\multicolumn{3}{@{}l@{}}{\\textit{room\\_1}} \\\\\n"
+        "runs & 10 & 10 \\\\\n\\addlinespace[2pt]\n"
+        "success~[\\%]~$\\uparrow$ & 90.0 & 90.0 \\\\\n"
+        " & {\\scriptsize [60.0, 98.0]} & {\\scriptsize [60.0, 98.0]} \\\\\n"
         "\\bottomrule\n\\end{tabular}\n"
     )
 
@@ -304,7 +306,7 @@ def test_a_table_in_markdown():
     )
 
 
-def test_numbers_of_a_metric_have_equally_many_decimals_and_no_signs_of_rounding():
+def test_numbers_of_a_metric_have_equally_many_decimals():
     def row(name, **values):
         ends = {
             f"{key}{end}": value for key, each in values.items() for end, value in zip(ENDS, each)
@@ -331,7 +333,40 @@ def test_numbers_of_a_metric_have_equally_many_decimals_and_no_signs_of_rounding
     assert "| other | SPL \N{UPWARDS ARROW} |  |  | 0.000 [0.000, 0.040] |" in table
     assert "| other | mean jerk [m/s³] \N{DOWNWARDS ARROW} |  |  | 0.5 [9.0, 15.0] |" in table
     assert "| other | stalled time [s] \N{DOWNWARDS ARROW} |  |  | 0.0 |" in table
-    assert "mine & 2e$-$06 [$-$3e$-$06, 7e$-$06] &" in latex_table([first, second])
+    latex = latex_table([first, second])
+    assert "mine & 2e$-$06 &  \\\\\n & {\\scriptsize [$-$3e$-$06, 7e$-$06]} &" in latex
+
+
+def test_bold_are_the_best_and_those_that_are_not_significantly_worse():
+    times = {
+        "slow": [2.0 + 0.01 * k for k in range(8)],
+        "even": [1.0] * 8,
+        "best": [1.0 - (0.1 + 0.01 * k) * (-1) ** k for k in range(8)],
+    }
+    table = [row for name, each in times.items() for row in rows(name, each)]
+    means = {"slow": 2.03, "even": 1.0, "best": 0.99}
+    keys = {"world": "room", "scenarios": 8, "failed": 0}
+    summary = [
+        {**keys, "controller": k, **dict(zip(ENDS_OF_TIME, (mean, None, None)))}
+        for k, mean in means.items()
+    ]
+    compared = comparison_rows(table, {}, ["time_to_goal"])
+
+    latex = latex_table(summary, compared)
+
+    # All 8 differences have a sign: 2 / 2^8, of 3 tests; the others rank sums of 16 and 20.
+    assert "\ntime to & 2.03 & \\textbf{1.00} & \\textbf{0.99} \\\\\ngoal~[s]" in latex
+    assert " & {\\scriptsize $p$ = 0.023} & {\\scriptsize $p$ = 0.844} &  \\\\" in latex
+    assert "| 2.03, p = 0.023 | **1.00**, p = 0.844 | **0.99** |" in markdown_table(
+        summary, compared
+    )
+    assert "textbf" not in latex_table(summary)
+
+
+def test_a_figure_of_runs_that_all_failed_has_no_panels():
+    rows = [{**SUMMARY[0], "world": world, "success": None} for world in "ab"]
+
+    assert figure(rows).startswith(b"%PDF-")
 
 
 def test_a_figure_is_the_same_file_each_time():

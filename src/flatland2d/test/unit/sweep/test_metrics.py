@@ -116,6 +116,7 @@ def test_what_a_robot_has_hit_first(settings_of):
 
     assert (row["collision"], row["collision_with"]) == (True, "walls")
     assert row["person_collision"] is None  # there are no people
+    assert row["group_crossing_rate"] is None
 
 
 def test_without_a_collision_nothing_was_hit(settings_of):
@@ -196,6 +197,30 @@ def test_distances_from_people_and_the_time_in_their_zones(folder, settings_of):
     assert row["intimate_fraction"] == 0.0
     assert row["personal_fraction"] == pytest.approx((distances < 1.2).mean(), abs=0.02)
     assert row["social_fraction"] == pytest.approx((distances >= 1.2).mean(), abs=0.02)
+
+
+GROUP = """
+plugins:
+  - type: Crowd
+    name: people
+    sees_robots: false
+    pedestrians:
+      - {pose: [-2, 1, 0], radius: 0.2, group: a}
+      - {pose: [-2, -1, 0], radius: 0.2, group: a}
+      - {pose: [3, 2, 0], radius: 0.2, group: b}
+      - {pose: [0, -3, 0], radius: 0.2}
+"""
+
+
+def test_the_time_in_the_hull_of_a_group(folder, settings_of):
+    with (folder / "world.yaml").open("a") as world:
+        world.write(GROUP)
+    keys = {"start": "[-3, 0, 0]", "goal": None, "time_limit": 8.0}
+
+    row = result_of(settings_of(controllers=AHEAD, **keys))  # from x = -3 to 1 at 0.5 m/s
+
+    # Between the two of a group, 0.4 m of 4 m lead through the hull of their circles.
+    assert row["group_crossing_rate"] == pytest.approx(0.1, abs=0.015)
 
 
 @pytest.mark.parametrize(("y", "hit"), [(0.0, "people_0"), (2.0, "box")])

@@ -28,7 +28,7 @@ def test_worlds_may_be_names_and_maps(settings_of):
     assert [each.task.goal_radius for each in settings.worlds][1:] == [0.5, 0.3]
 
 
-def test_scenarios_are_in_the_order_of_worlds_controllers_parameters_and_seeds(settings_of):
+def test_scenarios_are_ordered_by_world_controller_parameters_seed(settings_of):
     settings = settings_of(
         worlds="[office, world.yaml]",
         controllers='[{name: a, call: "drivers.py:ahead"}, {name: none}]',
@@ -207,6 +207,22 @@ def test_a_fingerprint_covers_all_that_a_result_depends_on(folder, settings_of):
         assert not set(fingerprints(seeds=4)) & set(first), name
         (folder / name).write_text(before)
     assert fingerprints(seeds=4) == first
+
+
+def test_a_fingerprint_covers_recorded_people(folder, settings_of, monkeypatch, tmp_path):
+    with (folder / "world.yaml").open("a") as world:
+        world.write("plugins: [{type: Crowd, name: people, recording: {file: people.csv}}]\n")
+
+    def fingerprint(rows):
+        (folder / "people.csv").write_text(rows)
+        settings = settings_of()
+        return Fingerprints(settings).of(scenarios_of(settings)[0])
+
+    first = fingerprint("0 1 0 0")
+    monkeypatch.chdir(tmp_path)  # the file is beside that of the world
+
+    assert fingerprint("0 1 0 0") == first
+    assert fingerprint("0 1 0 0.1") != first
 
 
 def test_a_fingerprint_covers_the_files_that_its_parameters_choose(

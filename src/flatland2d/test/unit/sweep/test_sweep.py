@@ -299,7 +299,7 @@ def test_without_ray_it_is_told_what_to_install(settings_of, capsys):
     assert main(["sweep", "scenarios.yaml", "--ray", "local"]) == 1
 
     said = capsys.readouterr().err
-    assert "flatland: --ray needs Ray: pip install 'flatland2d[ray]'" in said
+    assert "flatland: --ray needs Ray: pip install '.[ray]'" in said
 
 
 def test_what_ray_calls_finds_the_files_where_ray_has_put_them(folder, settings_of):

@@ -25,7 +25,7 @@ def test_the_quantile_of_students_t(freedom, t):
     assert t_quantile(freedom) == pytest.approx(t, abs=1e-5)
 
 
-def test_the_quantile_goes_on_smoothly_and_ends_as_that_of_the_normal_distribution():
+def test_the_quantile_approaches_that_of_the_normal_distribution():
     assert 0.0 < t_quantile(200) - t_quantile(201) < 1e-4
     assert t_quantile(10**9) == pytest.approx(1.959964, abs=1e-6)
 

@@ -28,11 +28,11 @@ const driving = new Driving(
 );
 let poses = new Poses(), services = new Set(), odometry = null;  // odometry: the topic for the trail
 let state = {paused: false, time: 0, begin: 0, end: 0};
-let sought = null, isSeeking = false;  // a moment to seek; whether a call does it
+let sought = null, isSeeking = false;  // a time to seek; whether a call does it
 let isSpawning = false, drag = null, isDirty = true;
 let followed = new URLSearchParams(location.search).get("follow");  // once it is there
 
-/** True while an earlier moment is shown: the run can go on from there, as another one. */
+/** True while an earlier time is shown: the run can go on from there, as another one. */
 const isInPast = () => state.paused && state.time < state.end;
 
 /** kind: "error", "warning" or "". */
@@ -160,7 +160,7 @@ function setStates({stamp, models: states}) {
   const time = seconds(stamp);
   const moved = states.flatMap(({name, bodies}) =>
     (models.get(name)?.bodies ?? []).map((body, i) => [`${name}/${body.name}`, bodies[i]]));
-  if (time < poses.time) {  // a reset, or a moment of the past
+  if (time < poses.time) {  // a reset, or a time in the past
     scans.jump(time);
     trail.clear();
   }
@@ -200,9 +200,9 @@ function setState({paused, stamp, rate, real_time_factor: factor, history_begin,
   setRate(rate);
   get("timeline").hidden = !hasPast;
   get("latest").disabled = !isInPast();
-  const moment = get("moment");
-  if (hasPast && !isSeeking && document.activeElement !== moment) {
-    Object.assign(moment, {min: state.begin, max: state.end, value: state.time});
+  const slider = get("slider");
+  if (hasPast && !isSeeking && document.activeElement !== slider) {
+    Object.assign(slider, {min: state.begin, max: state.end, value: state.time});
   }
 }
 
@@ -219,7 +219,7 @@ function changeRate(rate) {
   if (rate) call("/change_rate", {rate}, `${rate} s are simulated in a second`);
 }
 
-/** Pauses, and shows the moment at a time [s], or the nearest one; of several calls the last one counts. */
+/** Pauses, and shows the world at a time [s], or the nearest one; of several calls the last one counts. */
 async function seek(time) {
   if (state.end <= state.begin) return;
   sought = state.time = Math.min(Math.max(time, state.begin), state.end);
@@ -342,10 +342,10 @@ get("follow").onchange = () => follow(get("follow").checked);
 for (const id of ["names", "trail"]) get(id).onchange = show;
 get("scans").onchange = () => {
   show();
-  if (state.paused && get("scans").checked) seek(state.time);  // sensors measure at each moment that is sought
+  if (state.paused && get("scans").checked) seek(state.time);  // sensors measure at each time that is sought
 };
-get("moment").oninput = () => seek(Number(get("moment").value));
-get("moment").onchange = () => get("view").focus();
+get("slider").oninput = () => seek(Number(get("slider").value));
+get("slider").onchange = () => get("view").focus();
 for (const button of get("pad").children) {
   button.onpointerdown = () => driving.press(button.dataset.key);
   for (const kind of ["pointerup", "pointerleave", "pointercancel"]) {

@@ -1,6 +1,6 @@
 // Where bodies are and were: a scan is drawn at the pose that its robot had at the scan's stamp.
 
-const MOST = 50;  // moments: one and a half seconds of real time
+const MOST = 50;  // snapshots: one and a half seconds of real time
 const FASTEST = 20;  // m/s: a body that is faster was moved by hand
 
 /** A pose in a frame, given in that of the world. */
@@ -29,24 +29,24 @@ export const seconds = ({secs, nsecs}) => secs + nsecs / 1e9;
 export class Poses {
   constructor() {
     this.now = new Map();  // by body, "model/body"
-    this.moments = [];  // {time, poses}: now, and before
+    this.snapshots = [];  // {time, poses}: now, and before
   }
 
   /** Adds the poses of the bodies that have moved. After going back in time, nothing is known of before. */
   add(time, moved) {
     this.now = new Map([...this.now, ...moved]);
-    if (time < this.time) this.moments = [];
-    else if (time === this.time) this.moments.pop();  // moved by hand, during a pause
-    this.moments.push({time, poses: this.now});
-    if (this.moments.length > MOST) this.moments.shift();
+    if (time < this.time) this.snapshots = [];
+    else if (time === this.time) this.snapshots.pop();  // moved by hand, during a pause
+    this.snapshots.push({time, poses: this.now});
+    if (this.snapshots.length > MOST) this.snapshots.shift();
   }
 
-  get time() { return this.moments.at(-1)?.time; }
+  get time() { return this.snapshots.at(-1)?.time; }
 
   /** The pose of a body at a time up to the present one; undefined if it is not known. */
   at(body, time) {
-    const next = this.moments.findIndex((each) => each.time >= time);
-    const after = this.moments[next], before = this.moments[next - 1] ?? after;
+    const next = this.snapshots.findIndex((each) => each.time >= time);
+    const after = this.snapshots[next], before = this.snapshots[next - 1] ?? after;
     const from = before?.poses.get(body), to = after?.poses.get(body);
     if (!from || !to || before.time > time) return undefined;
     if (Math.hypot(to.x - from.x, to.y - from.y) > FASTEST * (after.time - before.time)) return undefined;

@@ -120,6 +120,19 @@ bool FloorSquares::Contains(Vec2 point) const {
          IsOne(static_cast<int>(row), static_cast<int>(column));
 }
 
+void FloorSquares::Crop(const Pose& pose, int cells, bool* crop) const {
+  const Rotation heading(pose.yaw);
+  const Vec2 robot{(pose.x - corner_.x) / side_, (pose.y - corner_.y) / side_};
+  const double middle = (cells - 1) / 2.0;
+  for (int i = 0; i < cells; ++i) {
+    for (int j = 0; j < cells; ++j) {
+      const Vec2 at = robot + heading.Apply({i - middle, j - middle});
+      *crop++ = at.x >= 0.0 && at.x < columns_ && at.y >= 0.0 && at.y < rows_ &&
+                IsOne(static_cast<int>(at.y), static_cast<int>(at.x));
+    }
+  }
+}
+
 Vec2 FloorSquares::Draw(const NumberSource& numbers) const {
   const uint32_t number = DrawBelow(static_cast<uint32_t>(size()), numbers);
   const auto after = std::upper_bound(before_.begin(), before_.end(), number);

@@ -20,7 +20,8 @@ void LowerToWalls(const std::vector<Segment>& walls, double reach, Vec2 corner, 
                   int64_t rows, int64_t columns, double* squares);
 
 /// Marks those free squares that are connected with one through shared sides: none if it is not
-/// free; or, if `start` is negative, the largest part that is connected. `reached` is false everywhere at first. All are `rows` x `columns`.
+/// free; or, if `start` is negative, the largest part that is connected. `reached` is false
+/// everywhere at first. All are `rows` x `columns`.
 void MarkConnected(const bool* free, int64_t rows, int64_t columns, int64_t start, bool* reached);
 
 /// A generator of random numbers: NumPy's bitgen_t.
@@ -63,6 +64,9 @@ class FloorSquares {
 
   size_t size() const { return before_.back(); }
   bool Contains(Vec2 point) const;
+  /// Whether the middles of `cells` x `cells` squares of the same size about a pose, in its frame,
+  /// are in one of these: row by row from behind, each from right to left.
+  void Crop(const Pose& pose, int cells, bool* crop) const;
   /// A point in one of the squares, of which there must be one.
   Vec2 Draw(const NumberSource& numbers) const;
   /// Poses of `count` discs of a radius [m], drawn one after the other: the first of some points at

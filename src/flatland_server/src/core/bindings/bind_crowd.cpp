@@ -22,20 +22,40 @@ OrcaSettings ToOrca(const OrcaNumbers& numbers) {
 }
 
 PyCrowd AddCrowd(PyWorld& self, uint64_t key, LayerBits layers, double period, double goal_radius,
-                 const Forces& forces, const std::optional<OrcaNumbers>& orca) {
+                 const Forces& forces, const std::optional<OrcaNumbers>& orca, double begin) {
   SocialForce force;
   std::tie(force.relaxation_time, force.repulsion, force.range, force.evasion,
            force.side_preference, force.noise) = forces;
-  CrowdSettings settings{layers, period * 1e9, goal_radius, force, std::nullopt};
+  CrowdSettings settings{layers, period * 1e9, goal_radius, force, std::nullopt, begin * 1e9};
   if (orca) settings.orca = ToOrca(*orca);
   return {self.world, self.world->AddCrowd(settings, key)};
+}
+
+std::shared_ptr<const Recording> ToRecording(const std::vector<Array<double>>& walks) {
+  auto recording = std::make_shared<Recording>();
+  for (const Array<double>& rows : walks) {
+    if (rows.ndim() != 2 || rows.shape(1) != 3) {
+      throw std::invalid_argument("expected walks of shape (n, 3)");
+    }
+    Recording::Walk walk;
+    const double* row = rows.data();
+    for (py::ssize_t i = 0; i < rows.shape(0); ++i, row += 3) {
+      if (!(std::abs(row[0]) < 1e9)) throw std::invalid_argument("expected times below 1e9 s");
+      walk.times.push_back(std::llround(row[0] * 1e9));
+      walk.points.push_back({row[1], row[2]});
+    }
+    recording->walks.push_back(std::move(walk));
+  }
+  recording->Require();
+  return recording;
 }
 
 void AddPerson(PyCrowd& self, const PyBody& body, const std::vector<Pair>& goals, double radius,
                double speed, const std::vector<PyBody>& legs, const std::optional<PyBody>& circle,
                double leg_offset, double walk_ratio, const Pair& leg_radii,
                const Attention& attention, int group,
-               const std::optional<std::pair<Pair, Pair>>& area, bool stands) {
+               const std::optional<std::pair<Pair, Pair>>& area, bool stands,
+               const std::vector<Array<double>>& recording) {
   PersonSettings person;
   person.body = body.handle;
   for (const PyBody& leg : legs) person.legs.push_back(leg.handle);
@@ -51,6 +71,7 @@ void AddPerson(PyCrowd& self, const PyBody& body, const std::vector<Pair>& goals
   person.group = group;
   if (area) person.area = Area{ToVec2(area->first), ToVec2(area->second)};
   person.stands = stands;
+  if (!recording.empty()) person.recording = ToRecording(recording);
   self.world->AddPerson(self.handle, person);
 }
 
@@ -92,13 +113,15 @@ Pair ChooseOrcaVelocity(const Pair& velocity, const Pair& preferred, const Array
 }  // namespace
 
 void BindCrowd(py::module_& m) {
+  m.attr("AWAY") = kAway;
   py::class_<PyCrowd>(m, "Crowd")
       .def("add_person", &AddPerson, py::arg("body"), py::kw_only(), py::arg("goals"),
            py::arg("radius"), py::arg("speed"), py::arg("legs") = std::vector<PyBody>{},
            py::arg("circle") = py::none(), py::arg("leg_offset") = 0.0, py::arg("walk_ratio") = 0.0,
            py::arg("leg_radii") = Pair{0.0, 0.0},
            py::arg("attention") = Attention{true, 1.0, 0.0, 2.0 * M_PI}, py::arg("group") = -1,
-           py::arg("area") = py::none(), py::arg("stands") = false)
+           py::arg("area") = py::none(), py::arg("stands") = false,
+           py::arg("recording") = std::vector<Array<double>>{})
       .def(
           "follow",
           [](PyCrowd& self, size_t person, const Pair& point, const Pair& velocity) {
@@ -116,7 +139,7 @@ void BindCrowd(py::module_& m) {
 void BindCrowdsOf(py::class_<PyWorld>& world) {
   world.def("add_crowd", &AddCrowd, py::arg("key"), py::kw_only(), py::arg("layers"),
             py::arg("period"), py::arg("goal_radius"), py::arg("forces"),
-            py::arg("orca") = py::none());
+            py::arg("orca") = py::none(), py::arg("begin") = 0.0);
 }
 
 }  // namespace flatland

@@ -65,6 +65,21 @@ py::array_t<bool> Connected(const py::array_t<bool, py::array::c_style>& free,
   return reached;
 }
 
+py::array_t<bool> Crop(const FloorSquares& self, const Numbers& poses, int cells) {
+  if (poses.ndim() != 2 || poses.shape(1) != 3 || cells < 1) {
+    throw std::invalid_argument("expected poses (n, 3), and a number of cells above 0");
+  }
+  const py::ssize_t count = poses.shape(0), size = py::ssize_t{cells} * cells;
+  py::array_t<bool> crops({count, size});
+  const double* pose = poses.data();
+  bool* crop = crops.mutable_data();
+  const py::gil_scoped_release release;
+  for (py::ssize_t k = 0; k < count; ++k, pose += 3, crop += size) {
+    self.Crop({pose[0], pose[1], pose[2]}, cells, crop);
+  }
+  return crops;
+}
+
 void RequireSquare(const FloorSquares& self) {
   if (self.size() == 0) throw std::invalid_argument("there is no square");
 }
@@ -84,6 +99,7 @@ void BindFloorSquares(py::module_& m) {
             return self.Contains({point[0], point[1]});
           },
           py::arg("point"))
+      .def("crop", &Crop, py::arg("poses"), py::arg("cells"))
       .def(
           "draw",
           [](const FloorSquares& self, const py::object& rng) {

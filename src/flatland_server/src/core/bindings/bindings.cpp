@@ -118,10 +118,10 @@ constexpr bool kSupportsNumPy2 = false;  // it would read the strides of arrays 
 void RequireNumPy() {
   const auto version = py::module_::import("numpy").attr("__version__").cast<std::string>();
   if (std::stoi(version) < 2 || kSupportsNumPy2) return;
-  throw py::import_error(
-      "flatland_server was built with pybind11 " + std::to_string(PYBIND11_VERSION_MAJOR) + "." +
-      std::to_string(PYBIND11_VERSION_MINOR) + ", which supports NumPy before 2, found NumPy " +
-      version + ": install numpy<2, or build with pybind11 2.12 or newer");
+  throw py::import_error("flatland_server was built with pybind11 " +
+                         std::to_string(PYBIND11_VERSION_MAJOR) + "." +
+                         std::to_string(PYBIND11_VERSION_MINOR) +
+                         ", which supports NumPy before 2, found NumPy " + version);
 }
 
 PYBIND11_MODULE(_core, m) {

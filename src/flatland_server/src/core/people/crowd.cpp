@@ -5,7 +5,7 @@
 
 #include "base/box2d_limits.hpp"
 #include "base/to_box2d.hpp"
-#include "people/surroundings.hpp"
+#include "people/obstacles.hpp"
 #include "world/layers.hpp"
 
 namespace flatland {
@@ -18,7 +18,9 @@ constexpr double kPatience = 1.0;        // an agent walks on for so long after 
 constexpr double kLongestWay = 1.0;      // a person jumps to an agent that is farther away [m]
 constexpr double kLongestPeriod = 1e18;  // 32 years [ns]
 constexpr int64_t kLastTime = int64_t{1} << 62;  // [ns]
-constexpr double kSides[] = {1.0, -1.0};         // of the legs: 1 is the left
+constexpr int64_t kGlance = 1'000'000'000;  // after which a recorded way shows its direction [ns]
+constexpr double kAwayGap = 4.0;            // between people who are away [m]
+constexpr double kSides[] = {1.0, -1.0};    // of the legs: 1 is the left
 
 Vec2 PointOf(const Pose& pose) { return {pose.x, pose.y}; }
 
@@ -51,6 +53,8 @@ Crowd::Crowd(const CrowdSettings& settings, uint64_t key) : settings_(settings) 
   Require(settings.period >= 0.0, "a period must not be negative");
   Require(IsUsable(settings.goal_radius) && settings.goal_radius > 0.0,
           "a radius must be above zero");
+  Require(settings.begin >= 0.0 && settings.begin < kLongestPeriod, "a begin must be a time");
+  clock_.begin = std::llround(settings.begin);
   settings_.period = std::min(settings.period, kLongestPeriod);
   Seed(key);
 }
@@ -99,8 +103,12 @@ void Crowd::Follow(size_t person, Vec2 point, Vec2 velocity) {
 
 bool Crowd::IsValid() const {
   if (clock_.now < 0 || clock_.now > kLastTime) return false;
+  if (clock_.begin < 0 || clock_.begin > kLastTime / 2) return false;
   for (size_t i = 0; i < people_.size(); ++i) {
     if (progress_[i].goal >= people_[i].goals.size()) return false;
+    const Recording* recording = people_[i].recording.get();
+    const int32_t walks = recording ? static_cast<int32_t>(recording->walks.size()) : 0;
+    if (progress_[i].walk < -1 || progress_[i].walk >= walks) return false;
     const Agent& agent = progress_[i].agent;
     if (LengthOf(agent.point) > 4.0 * kMaxCoordinate) return false;
     if (!IsUsable(progress_[i].drawn_goal) || !IsUsable(progress_[i].seen_for)) return false;
@@ -125,6 +133,9 @@ void Crowd::BeginStep(Bodies& bodies, const Layers& layers, double dt) {
 
 void Crowd::Update(Bodies& bodies, const Layers& layers, double dt) {
   FindOthers(bodies);
+  for (size_t i = 0; i < people_.size(); ++i) {
+    if (people_[i].recording) Replay(i, bodies);
+  }
   motions_.clear();
   for (const PersonSettings& each : people_)
     motions_.push_back(MotionOf(BodyOf(bodies, each.body)));
@@ -135,15 +146,21 @@ void Crowd::Update(Bodies& bodies, const Layers& layers, double dt) {
     headings_of_others_.emplace_back(motions_of_others_.back().yaw);
   }
   Meet(dt);
-  if (settings_.orca) {
+  const bool do_choose =
+      std::any_of(people_.begin(), people_.end(), [](const auto& each) { return !each.recording; });
+  if (do_choose && settings_.orca) {
     SortByX();
-  } else {
+  } else if (do_choose) {
     SumForces(layers);
   }
   new_velocities_.clear();
   const double scatter = settings_.force.ScatterAfter(dt), left = settings_.force.LeftAfter(dt);
   for (size_t i = 0; i < people_.size(); ++i) {
     const double x = clock_.numbers.Draw(), y = clock_.numbers.Draw();  // whether needed or not
+    if (people_[i].recording) {
+      new_velocities_.push_back(ReplayedVelocity(i, bodies, dt));
+      continue;
+    }
     if (progress_[i].agent.is_followed) {
       new_velocities_.push_back(FollowingVelocity(i, bodies, dt));
       continue;
@@ -188,6 +205,37 @@ Vec2 Crowd::FollowingVelocity(size_t index, Bodies& bodies, double dt) {
   }
   const Vec2 here = FromBox2D(BodyOf(bodies, person.body).GetPosition());
   return (1.0 / dt) * (agent.point - here);
+}
+
+void Crowd::Replay(size_t index, Bodies& bodies) {
+  const PersonSettings& person = people_[index];
+  const int64_t now = clock_.begin + clock_.now;
+  const int walk = person.recording->WalkAt(now);
+  int32_t& shown = progress_[index].walk;
+  b2Body& body = BodyOf(bodies, person.body);
+  if (walk < 0) {  // each away at a place of its own
+    const Vec2 away{kAway, kAway + kAwayGap * person.body.index};
+    if (shown >= 0 || FromBox2D(body.GetPosition()).x < kAway) JumpTo(person, away, bodies);
+  } else {
+    const Vec2 point = person.recording->PointAt(walk, now);
+    if (walk != shown) {
+      const Vec2 way = person.recording->PointAt(walk, now + kGlance) - point;
+      Put(body, {point.x, point.y, std::atan2(way.y, way.x)});
+      JumpTo(person, point, bodies);
+    } else if (LengthOf(point - FromBox2D(body.GetPosition())) > kLongestWay) {
+      JumpTo(person, point, bodies);
+    }
+  }
+  shown = walk;
+}
+
+Vec2 Crowd::ReplayedVelocity(size_t index, Bodies& bodies, double dt) {
+  const int walk = progress_[index].walk;
+  if (walk < 0) return {};
+  const PersonSettings& person = people_[index];
+  const int64_t then = clock_.begin + clock_.now + std::llround(dt * 1e9);
+  const Vec2 here = FromBox2D(BodyOf(bodies, person.body).GetPosition());
+  return (1.0 / dt) * (person.recording->PointAt(walk, then) - here);
 }
 
 void Crowd::JumpTo(const PersonSettings& person, Vec2 point, Bodies& bodies) const {
@@ -237,7 +285,7 @@ void Crowd::Step(size_t index, const Pose& after, const Twist& motion, Bodies& b
   Lift(index, walks ? std::sin(2.0 * M_PI * stride) : 0.0, bodies);
 }
 
-/// Makes a leg that swings as thin, for lidars, as it is above a lifted foot.
+/// Sets the radius at which lidars see a leg: thinner in its swing, as above a lifted foot.
 void Crowd::Lift(size_t index, double phase, Bodies& bodies) {
   progress_[index].lifted = phase;
   const PersonSettings& person = people_[index];

@@ -5,12 +5,14 @@
 /// A crowd sets the velocities of its people at its updates, several times a second. Between two
 /// updates Box2D moves them, and resolves collisions: they are bodies like others, without a drive.
 /// The next update starts from the result. In an update, each person chooses a velocity by the
-/// forces of what is around it (social_force.hpp, surroundings.hpp), or by ORCA (orca.hpp), or
+/// forces of what is around it (social_force.hpp, obstacles.hpp), or by ORCA (orca.hpp), or
 /// follows an agent of another program; then turns that way, and its legs step.
 ///
 /// Dynamic bodies that are no people are robots. A person may give way to them late, or not at all:
 /// that is decided by chance at the beginning of an encounter, when a robot comes near. It does not
 /// walk into a robot that stands in its view, unless it sees none at all.
+///
+/// A body may follow recorded people (recording.hpp). While there is none, it is far away.
 
 #include <algorithm>
 #include <array>
@@ -24,6 +26,7 @@
 #include "base/collision_layers.hpp"
 #include "base/normal_numbers.hpp"
 #include "people/orca.hpp"
+#include "people/recording.hpp"
 #include "people/social_force.hpp"
 #include "world/bodies.hpp"
 
@@ -38,6 +41,7 @@ struct CrowdSettings {
   double goal_radius = 0.3;       ///< distance at which a goal counts as reached [m]
   SocialForce force;
   std::optional<OrcaSettings> orca;  ///< moves the people instead of the forces
+  double begin = 0.0;                ///< of the recordings that people follow, at time 0 [ns]
 };
 
 /// A rectangle [m].
@@ -61,8 +65,9 @@ struct PersonSettings {
   double reaction_time = 0.0;          ///< from seeing a robot to giving way [s]
   double field_of_view = 2.0 * M_PI;   ///< in which it sees people and robots [rad]
   int group = -1;                      ///< whose people keep together; -1: none
-  std::optional<Area> area;            ///< in which places and goals are drawn, instead of `goals`
-  bool stands = false;                 ///< at its drawn place
+  std::shared_ptr<const Recording> recording;  ///< followed instead of `goals`
+  std::optional<Area> area;  ///< in which places and goals are drawn, instead of `goals`
+  bool stands = false;       ///< at its drawn place
 };
 
 class Crowd {
@@ -92,17 +97,17 @@ class Crowd {
 
   /// Before a step of `dt` [s]: makes an update, if one is due.
   void BeginStep(Bodies& bodies, const Layers& layers, double dt);
-  /// Puts people with areas at drawn places, away from walls, bodies and each other. One for which
-  /// none is found stays.
+  /// Puts people with areas at drawn places, away from walls, bodies and each other: one for which
+  /// none is found stays. Puts those that follow a recording where it begins.
   void Scatter(Bodies& bodies, const Layers& layers);
-  /// The present room of each person.
+  /// The distances around each person at present.
   std::vector<Room> Rooms(const Bodies& bodies, const Layers& layers);
-  /// Takes what changes of an equal crowd.
+  /// Copies the changing state of an equal crowd.
   void Take(const Crowd& other) {
     clock_ = other.clock_;
     std::copy(other.progress_.begin(), other.progress_.end(), progress_.begin());
   }
-  /// Makes what lidars see follow the state, when that was restored.
+  /// Updates what lidars see after the state was restored.
   void Restore(Bodies& bodies);
 
   size_t size() const { return people_.size(); }
@@ -121,10 +126,11 @@ class Crowd {
     int64_t now = 0;  // time of the steps so far [ns]
     int64_t due = 0;  // of the next update [ns]
     NormalNumbers numbers;
+    int64_t begin = 0;  // of recordings, at time 0 [ns]
 
     template <class Archive>
     void Serialize(Archive& archive) {
-      archive(now, due, numbers);
+      archive(now, due, numbers, begin);
     }
   };
 
@@ -152,10 +158,12 @@ class Crowd {
     Agent agent;
     double seen_for = 0.0;  // time for which it has seen robots in this encounter [s]
     Vec2 drawn_goal;        // [m]
+    int32_t walk = -1;      // of the recording; -1: it is away
 
     template <class Archive>
     void Serialize(Archive& archive) {
-      archive(goal, stride, lifted, agent, has_met, gives_way, seen_for, has_drawn, drawn_goal);
+      archive(goal, stride, lifted, agent, has_met, gives_way, seen_for, has_drawn, drawn_goal,
+              walk);
     }
   };
 
@@ -199,6 +207,10 @@ class Crowd {
   void FindNeighbors(size_t person);
   /// The velocity that leads to the agent in `dt` [s]; if that is far, jumps there.
   Vec2 FollowingVelocity(size_t person, Bodies& bodies, double dt);
+  /// Puts a person where its recording is at the present time, if it cannot walk there.
+  void Replay(size_t person, Bodies& bodies);
+  /// The velocity that leads to where the recording is after `dt` [s].
+  Vec2 ReplayedVelocity(size_t person, Bodies& bodies, double dt);
   void JumpTo(const PersonSettings& person, Vec2 point, Bodies& bodies) const;
   void Walk(size_t person, Vec2 velocity, Bodies& bodies, double dt);
   void Step(size_t person, const Pose& after, const Twist& motion, Bodies& bodies, double dt);

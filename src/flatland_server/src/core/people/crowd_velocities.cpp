@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "people/crowd.hpp"
-#include "people/surroundings.hpp"
+#include "people/obstacles.hpp"
 #include "world/layers.hpp"
 
 namespace flatland {
@@ -78,6 +78,7 @@ void Crowd::Scatter(Bodies& bodies, const Layers& layers) {
   FindOthers(bodies);
   std::vector<std::pair<Vec2, double>> taken;  // points and radii of people
   for (size_t i = 0; i < people_.size(); ++i) {
+    if (people_[i].recording) Replay(i, bodies);
     if (people_[i].area) continue;
     const b2Vec2 point = bodies.Get(people_[i].body).body->GetPosition();
     taken.push_back({{point.x, point.y}, people_[i].radius});

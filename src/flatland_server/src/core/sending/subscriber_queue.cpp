@@ -11,7 +11,7 @@
 #include <system_error>
 #include <utility>
 
-#include "sending/room_watcher.hpp"
+#include "sending/socket_poller.hpp"
 
 namespace flatland {
 namespace {
@@ -35,7 +35,7 @@ std::size_t SubscriberQueue::Add(std::string framed) {
 bool SubscriberQueue::Send() {
   const std::lock_guard lock(mutex_);
   const std::size_t fresh = std::exchange(held_, 0);
-  if (!waits_for_room_) SendMessages();
+  if (!is_polled_) SendMessages();
   if (!messages_.empty()) DropOldest(std::min(fresh, messages_.size()));
   return status_.error == 0;
 }
@@ -57,7 +57,7 @@ void SubscriberQueue::SendMessages() {
     if (result < 0) {
       if (errno == EINTR) continue;
       if (errno != EAGAIN && errno != EWOULDBLOCK) return Fail(errno);
-      waits_for_room_ = RoomWatcher::Get().Watch(shared_from_this());
+      is_polled_ = SocketPoller::Get().Watch(shared_from_this());
       return;
     }
     status_.bytes += static_cast<uint64_t>(result);
@@ -94,7 +94,7 @@ void SubscriberQueue::Fail(int error) {
 void SubscriberQueue::Close() {
   const std::lock_guard lock(mutex_);
   if (socket_ < 0) return;
-  if (waits_for_room_) RoomWatcher::Get().Forget(socket_);
+  if (is_polled_) SocketPoller::Get().Forget(socket_);
   close(socket_);
   socket_ = -1;
   Fail(status_.error != 0 ? status_.error : ENOTCONN);

@@ -53,7 +53,7 @@ class SubscriberQueue : public std::enable_shared_from_this<SubscriberQueue> {
   Status status() const;
 
  private:
-  friend class RoomWatcher;
+  friend class SocketPoller;
   using Clock = std::chrono::steady_clock;
 
   struct Message {
@@ -71,7 +71,7 @@ class SubscriberQueue : public std::enable_shared_from_this<SubscriberQueue> {
   Seconds patience_;
   std::deque<Message> messages_;  // not sent yet
   std::size_t sent_ = 0;          // bytes of the first one that are sent
-  bool waits_for_room_ = false;   // the thread will send
+  bool is_polled_ = false;        // the thread will send
   std::size_t held_ = 0;          // messages since the last `Send`
   Status status_;
 };

@@ -41,10 +41,10 @@ class DepthBuffer {
   /// Starts a scan of the fan's beams up to `range` [m]. The fan must outlive the scan.
   void Begin(const BeamFan& fan, double range);
 
-  /// Draws all walls, as seen by a lidar at this pose in their frame. It takes least time with what
-  /// this lidar has seen last, which is replaced; null if that is not known.
+  /// Draws all walls, as seen by a lidar at this pose in their frame. The walls that this lidar saw
+  /// in its last scan make it faster, and are replaced; null if they are not known.
   void Draw(const SegmentTree& walls, const Pose& lidar, SeenWalls* seen = nullptr);
-  /// Draws those walls alone that have these indices (VisibleWalls).
+  /// Draws only the walls with these indices (VisibleWalls).
   void Draw(const SegmentTree& walls, const std::vector<uint32_t>& only, const Pose& lidar);
 
   /// Indices of the circles in range that what is drawn so far does not hide. Valid until the next
@@ -57,8 +57,7 @@ class DepthBuffer {
   /// A convex polygon, its corners in counter-clockwise order.
   void DrawPolygon(const Vec2* corners, int count);
 
-  /// Everything drawn from now on reflects. At equal distances it is seen rather than what was
-  /// drawn before.
+  /// Everything drawn from now on reflects. At equal distances it hides what was drawn before.
   void BeginReflecting();
 
   /// Writes the distance of each beam [m], or +infinity if nothing is in range (REP 117).

@@ -35,8 +35,8 @@ FLATLAND_INLINE void DrawOnGroup(const BeamFan& fan, double* inverse, int group,
   Store(Max(meets ? across * Fill(inverse_cross) : Fill(0.0), nearest), inverse + group);
 }
 
-/// Draws it onto a run of beams. Most walls cover one group or two: a processor, which has to guess
-/// how many, loses more by wrong guesses than by a group in vain.
+/// Draws it onto a run of beams, two groups at least. Most walls cover one group or two: a
+/// mispredicted branch costs more than a group in vain.
 FLATLAND_INLINE void DrawOn(const BeamFan& fan, double* inverse, BeamFan::Run run, Vec2 a, Vec2 b,
                             double inverse_cross) {
   int group = run.begin & -kGroup;

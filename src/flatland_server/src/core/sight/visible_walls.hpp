@@ -26,16 +26,17 @@ class VisibleWalls {
   VisibleWalls(const VisibleWalls&) = delete;
   VisibleWalls& operator=(const VisibleWalls&) = delete;
 
-  /// Those of equal segments, or new ones. So all worlds with the same map share them.
+  /// Returns the object of equal segments, or a new one: all worlds with the same map share it.
   static std::shared_ptr<const VisibleWalls> Share(std::vector<Segment> segments,
                                                    const SegmentTree::Progress& progress = {});
 
   const SegmentTree& all() const { return all_; }
-  /// Indices of walls among which are all those that a lidar at a point can see, or null if they
-  /// are not known (yet); valid as long as this object. Several threads may call it at a time.
+  /// Indices of walls that include all those that a lidar at a point can see, or null if these are
+  /// not known yet. Valid as long as this object. Several threads may call it at a time.
   const std::vector<uint32_t>* From(Vec2 point) const;
 
-  /// As many scans are made from a cell before its walls are found: that takes as long as they do.
+  /// Number of scans from a cell before its walls are found. Finding them takes as long as these
+  /// scans.
   static constexpr int kScansBefore = 48;
 
  private:

@@ -39,12 +39,12 @@
 namespace flatland {
 namespace {
 
-/// For rounding errors: of angles [rad]; of products, by their size; and by which a box is made
-/// larger.
+/// Margins for rounding errors: of angles [rad], of products relative to their size, and the one by
+/// which a box is enlarged.
 constexpr double kAngleTolerance = 1e-6, kProductTolerance = 1e-9, kLarger = 1.0 + 1e-6;
-/// As many walls of a chain are followed while they do not lead on.
+/// Number of walls that a chain is followed while it turns back.
 constexpr size_t kMaxDetour = 3;
-/// Walls lead on if they turn more than this [buckets], the rounding errors of a detour.
+/// A chain advances if it turns by more than this [buckets], a margin for rounding errors.
 constexpr double kLeastTurn = 1e-6;
 
 constexpr int kBuckets = 256;
@@ -162,8 +162,9 @@ class Finder {
   void Search(float from, float to, std::vector<uint32_t>& found);
 
   bool IsOutside(Vec2 a, Vec2 b) const { return DistanceOf(a, b) > radius_; }
-  /// Goes on from the end of a wall to the far end of that wall at the same corner that turns most
-  /// to the side, 1 is left, of those outside of the disc. Returns whether there is one.
+  /// Continues a chain at the end of a wall: among the walls at the same corner and outside of the
+  /// disc, takes the one that turns most to the side (1: left), and goes to its far end. Returns
+  /// false if there is none.
   bool Follow(uint32_t* end, double side) const {
     const Vec2 corner = PointOf(*end);
     double most = -kBuckets;
@@ -179,15 +180,15 @@ class Finder {
     *end = best;
     return true;
   }
-  /// A greater angle than asin(radius_ / radius), that of a tangent of the disc, is taken: that
-  /// angle's tangent.
+  /// Tangent of an upper bound of asin(radius_ / radius), the angle of a tangent of the disc.
   Sample SampleAt(int boundary, double radius, double far, double back) const {
     const double sine = radius_ / radius;
     const double limit = sine / std::sqrt(1.0 - sine * sine) + kAngleTolerance;
     return {AngleOf(boundary), limit, far, back};
   }
-  /// Follows a chain along a wall to this end of it and on, to the left by side 1, to the right by
-  /// -1, and samples it from a boundary on. A detour that leads on in the end belongs to it.
+  /// Follows a chain along a wall to this end of it and beyond, to the left (side 1) or to the
+  /// right
+  /// (-1), and samples it from a boundary on. A detour is included if the chain advances after it.
   void Trace(uint32_t end, double side, int boundary, Trail& trail) {
     Vec2 from = PointOf(Corners::OtherEnd(end));
     double place = Buckets::Of(from), farthest = place;
@@ -207,7 +208,7 @@ class Finder {
       detour_.push_back(Corners::WallOf(end));
       for (; side * boundary <= side * place; boundary += static_cast<int>(side)) {
         const Vec2 direction = buckets().directions[IndexOf(boundary)];
-        // Of a wall along the direction it is NaN, and becomes one at which nothing is hidden.
+        // NaN for a wall along the direction becomes a distance at which nothing is hidden.
         const double radius = Cross(from, to) / Cross(direction, to - from);
         const double usable = std::min(most, std::max(radius_, radius));
         trail.samples.push_back(

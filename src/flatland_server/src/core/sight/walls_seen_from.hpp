@@ -29,7 +29,7 @@ class Corners {
   std::vector<uint32_t> next_;
 };
 
-/// The indices of walls among which are all those that can be seen from a point of a box.
+/// Indices of walls that include all those that can be seen from a point of a box.
 std::vector<uint32_t> WallsSeenFrom(const SegmentTree& walls, const Corners& corners,
                                     const Box& box);
 

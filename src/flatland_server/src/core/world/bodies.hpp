@@ -20,7 +20,7 @@ class Bodies : public SlotMap<BodyRecord> {
 
   /// Changes whenever something is added, removed or moved.
   uint64_t revision() const { return revision_; }
-  /// The same, but for the movements of bodies that may move.
+  /// Like that, except that movements of bodies that may move do not change it.
   uint64_t structure_revision() const { return structure_revision_; }
   /// To be called when bodies that may move are moved.
   void ChangePoses() { ++revision_; }
@@ -55,7 +55,7 @@ class Bodies : public SlotMap<BodyRecord> {
     return moving_;
   }
 
-  /// The model's body, or the layer, that something in Box2D belongs to.
+  /// The body of a model, or the layer, to which an object of Box2D belongs.
   Body HandleOf(b2Body& body) const {
     return HandleAt(static_cast<uint32_t>(body.GetUserData().pointer));
   }

@@ -40,8 +40,8 @@ struct BodyRecord {
     std::vector<Block> blocks;    // in ascending order
   };
 
-  /// Gives a dynamic body a mass: another body gets the same bits from what GetMassData then tells.
-  /// The first time, its sum of two inertias may be rounded.
+  /// Gives a dynamic body a mass. Setting what GetMassData returns afterwards gives another body
+  /// the same bits: the first time, the sum of two inertias may be rounded.
   void SetMass(b2MassData data) const {
     body->SetMassData(&data);
     body->GetMassData(&data);

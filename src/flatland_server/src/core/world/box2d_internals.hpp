@@ -186,7 +186,7 @@ inline b2Vec2& Force(b2Body& body) { return body.*Member(BodyForce()); }
 inline float& Torque(b2Body& body) { return body.*Member(BodyTorque()); }
 inline float& SleepTime(b2Body& body) { return body.*Member(BodySleepTime()); }
 inline b2Sweep& Sweep(b2Body& body) { return body.*Member(BodySweep()); }
-/// Where its origin is, which may differ in rounding from what its centre of mass tells.
+/// Position of its origin. The one computed from the centre of mass may be rounded otherwise.
 inline b2Transform& Transform(b2Body& body) { return body.*Member(BodyTransform()); }
 /// The head of a body's list of fixtures, in whose order Box2D moves them.
 inline b2Fixture*& Fixtures(b2Body& body) { return body.*Member(BodyFixtures()); }
@@ -199,7 +199,7 @@ inline int32& BodyCount(b2World& world) { return world.*Member(WorldBodyCount())
 inline float& InverseStep(b2World& world) { return world.*Member(WorldInverseStep()); }
 /// True if bodies or fixtures, which may have new contacts, were moved since the last step.
 inline bool& NewContacts(b2World& world) { return world.*Member(WorldNewContacts()); }
-/// False: the next step only goes on to look for times of impact, as after a substep.
+/// False: the next step only continues to solve times of impact, as after a substep.
 inline bool& StepComplete(b2World& world) { return world.*Member(WorldStepComplete()); }
 inline b2ContactManager& Contacts(b2World& world) {
   return const_cast<b2ContactManager&>(world.GetContactManager());
@@ -230,9 +230,9 @@ inline int32& NodeCount(b2World& world) { return Tree(world).*Member(TreeNodeCou
 /// The first of the nodes that are not in use, each of which names the next one.
 inline int32& FreeList(b2World& world) { return Tree(world).*Member(TreeFreeList()); }
 
-/// Spares the next step a search for what fixtures touch that were added since the last step: those
-/// from `begin` on among the proxies that may have new contacts. They must be static, and so must
-/// all bodies of the world, except those for which FindPairsAgain is called.
+/// Lets the next step skip the search for contacts of fixtures that were added since the last step:
+/// those from `begin` on among the proxies that may have new contacts. They must be static, and so
+/// must all bodies of the world, except those for which FindPairsAgain is called.
 ///
 /// Static fixtures have no contacts with each other. What is added later finds them: Box2D searches
 /// a pair of new fixtures from the one with the higher index, which is the later one. So the

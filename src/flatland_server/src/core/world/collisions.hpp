@@ -1,9 +1,8 @@
 #pragma once
 
-/// A record of collisions: what the bodies that ask for it collided with in the last step.
+/// Records what chosen bodies collided with in the last step.
 ///
-/// It is kept here, instead of by a listener, so that it costs nothing where nothing touches, and
-/// next to nothing where it is not read.
+/// A record in the core costs nothing while nothing touches, unlike a contact listener in Python.
 
 #include <cstdint>
 #include <vector>
@@ -29,13 +28,14 @@ class Collisions {
  public:
   explicit Collisions(const Bodies& bodies) : bodies_(bodies) {}
 
-  /// Those of the last step, also if they ended in it: those that go on first, by their numbers.
+  /// The collisions of the last step: first those that last, in the order of their numbers, then
+  /// those that ended in it.
   const std::vector<Collision>& last() const { return last_; }
   /// Length of that step [s].
   double last_step() const { return last_step_; }
-  /// Those that go on, by their numbers.
+  /// The collisions that last, in the order of their numbers.
   const std::vector<Collision>& present() const { return present_; }
-  /// Restores one of `present`.
+  /// Restores a collision of a saved `present`.
   void Restore(Collision collision);
 
   // Events of recorded contacts.

@@ -7,7 +7,7 @@
 namespace flatland {
 namespace {
 
-/// As many materials as there are walls are as good as one, if they are equal.
+/// One material in place of one for each wall, if all are equal.
 bool AreEqual(const std::vector<Material>& materials) {
   return std::all_of(materials.begin(), materials.end(),
                      [&](const Material& each) { return each == materials.front(); });

@@ -39,7 +39,7 @@ class NearbyWalls {
   /// `owner` is the user data of the bodies that are made.
   NearbyWalls(std::shared_ptr<const SegmentTree> walls, LayerBits layers, uint32_t owner)
       : walls_(std::move(walls)), layers_(layers), owner_(owner) {}
-  /// The same walls and materials for another Box2D world, which has none of them yet.
+  /// Copies the walls and materials for another Box2D world, which holds none of them yet.
   NearbyWalls(const NearbyWalls& other)
       : walls_(other.walls_),
         layers_(other.layers_),
@@ -52,8 +52,8 @@ class NearbyWalls {
   LayerBits layers() const { return layers_; }
   uint32_t owner() const { return owner_; }
 
-  /// Calls `visit(block)` for the blocks with a wall with a box that meets another one [m], in
-  /// ascending order.
+  /// Calls `visit(block)`, in ascending order, for the blocks with a wall whose bounding box
+  /// overlaps another one [m].
   template <class Visit>
   void ForEachBlockAt(const Box& box, Visit visit) const {
     walls_->ForEachLeafAt(box, [&](size_t leaf) {
@@ -70,8 +70,8 @@ class NearbyWalls {
   size_t CountWalls(uint32_t block) const;
   void Hold(b2World& world, uint32_t block);
   void Release(b2World& world, uint32_t block);
-  /// Appends the fixtures of the blocks that are held, in an order that depends on which these are
-  /// alone.
+  /// Appends the fixtures of the blocks that are held. Their order depends on nothing but which
+  /// blocks are held.
   void AppendFixtures(std::vector<b2Fixture*>& fixtures) const;
   /// Exchanges what is held with that of another state of the world.
   void Exchange(Held& held) { held_.swap(held); }
@@ -87,9 +87,9 @@ class NearbyWalls {
   bool Overlaps(const b2AABB& bounds, Overlap overlap) const;
 
   const Material& GetMaterial(uint32_t wall) const;
-  /// Of a wall, whether its block is held or not.
+  /// Material of a wall, whether its block is held or not.
   void SetMaterial(uint32_t wall, const Material& material);
-  /// Of all walls, or a single one if all have that.
+  /// Materials of all walls, or a single one if all have the same.
   std::vector<Material> GetMaterials() const;
   void SetMaterials(const std::vector<Material>& materials);
 

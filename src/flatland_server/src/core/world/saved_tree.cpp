@@ -7,7 +7,7 @@
 namespace flatland {
 namespace {
 
-/// Number of nodes before those that were never in use, or are free in the same order.
+/// Number of nodes to save: those after it were never in use, or are free in the same order.
 int32 UsedCount(const b2TreeNode* nodes, int32 capacity) {
   int32 count = capacity;
   while (count > 0) {

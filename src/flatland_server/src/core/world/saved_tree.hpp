@@ -12,7 +12,7 @@
 namespace flatland {
 
 struct SavedTree {
-  /// A node, without what is different in another world.
+  /// A node, without pointers, which differ between worlds.
   struct Node {
     b2AABB box{b2Vec2_zero, b2Vec2_zero};  // Box2D's constructors leave the memory as it was
     int32 parent = b2_nullNode;            // of one that is not in use: the next such
@@ -32,7 +32,7 @@ struct SavedTree {
   static SavedTree Of(b2World& world, const std::vector<b2Fixture*>& fixtures);
   /// Replaces the tree of a world with these fixtures.
   void Restore(b2World& world, const std::vector<b2Fixture*>& fixtures) const;
-  /// True if this is a tree with a leaf for each of so many fixtures.
+  /// True if this is a valid tree with a leaf for each of `fixtures` fixtures.
   bool IsSound(size_t fixture_count) const;
   int32 node_count() const { return static_cast<int32>(nodes.size()); }
 

@@ -28,7 +28,7 @@ def read_input(path: Path, limit: int, refusal: Refusal = YamlError) -> bytes:
     """The contents of a regular file.
 
     Args:
-        path: of the file.
+        path: the file's path.
         limit: the largest size that is read [bytes].
         refusal: the error if it is missing, unreadable, larger, or not a regular file.
 
@@ -55,7 +55,7 @@ def open_regular(path: Path, refusal: Refusal) -> BinaryIO:
     """Opens a regular file to read it; pipes, sockets and devices are refused at once.
 
     Args:
-        path: of the file.
+        path: the file's path.
         refusal: the error if it is something else.
 
     Raises:

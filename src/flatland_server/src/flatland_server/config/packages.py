@@ -45,7 +45,7 @@ def folders_beside(name: str, locations: Iterable[Path]) -> List[Path]:
     """The folders that have the files of a Python package.
 
     Args:
-        name: of the package.
+        name: the package's name.
         locations: the folders of its modules.
     """
     found: Dict[Path, None] = {}
@@ -102,7 +102,7 @@ def python_package_folders(name: str, *, with_namespaces: bool) -> List[Path]:
     """The folders of a top-level package's modules; it is not imported for that.
 
     Args:
-        name: of the package.
+        name: the package's name.
         with_namespaces: whether packages without an `__init__` count: any folder on sys.path.
     """
     if not name.isidentifier():

@@ -26,7 +26,7 @@ def syntax_error(path: Path, text: str, error: yaml.MarkedYAMLError) -> YamlErro
     """The error of a parser for a user.
 
     Args:
-        path: of the file.
+        path: the file's path.
         text: its content.
         error: the parser's.
     """

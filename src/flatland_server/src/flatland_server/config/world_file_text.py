@@ -39,7 +39,7 @@ class WorldFileText:
     """A world file's text, and the places of its entries.
 
     Args:
-        path: of the file.
+        path: the file's path.
         root: its content with everything resolved, as `YamlPreprocessor.read` gives it.
 
     Raises:

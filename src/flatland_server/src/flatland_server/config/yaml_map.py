@@ -79,7 +79,7 @@ class YamlMap:
         """True if a value is a list, for keys that take a list or something else.
 
         Args:
-            key: of the value.
+            key: the value's key.
         """
         return isinstance(self._values.get(key), yaml.SequenceNode)
 
@@ -87,7 +87,7 @@ class YamlMap:
         """True if a value is a map, for keys that take a map or something else.
 
         Args:
-            key: of the value.
+            key: the value's key.
         """
         return isinstance(self._values.get(key), yaml.MappingNode)
 

@@ -102,7 +102,7 @@ class YamlPreprocessor:
         """A preprocessor for the same files, as this one has read them, with another seed.
 
         Args:
-            seed: of the world.
+            seed: the world's seed.
         """
         other = YamlPreprocessor(self._get_param, seed)
         other._composed.update(self._composed)

@@ -75,7 +75,7 @@ class YamlReader(YamlMap):
         """The reader of a file, its includes and expressions resolved.
 
         Args:
-            path: of the file.
+            path: the file's path.
             preprocessor: has the parameters; by default there are none.
 
         Raises:
@@ -152,7 +152,7 @@ class YamlReader(YamlMap):
         """A string; may be empty.
 
         Args:
-            key: of the value.
+            key: the value's key.
             default: the value if the key is missing; without it, the key is required.
         """
         return cast(str, self._get(key, default, to_string, ""))
@@ -161,7 +161,7 @@ class YamlReader(YamlMap):
         """The name of a topic that ROS can have, relative or absolute.
 
         Args:
-            key: of the value.
+            key: the value's key.
             default: the value if the key is missing; without it, the key is required.
         """
         return cast(str, self._get(key, default, to_topic, ""))
@@ -170,7 +170,7 @@ class YamlReader(YamlMap):
         """The name of a frame that TF can have; may begin with "/".
 
         Args:
-            key: of the value.
+            key: the value's key.
             default: the value if the key is missing; without it, the key is required.
         """
         return cast(str, self._get(key, default, to_frame, ""))
@@ -179,7 +179,7 @@ class YamlReader(YamlMap):
         """The name of a body, joint or plugin: any text of one line.
 
         Args:
-            key: of the value.
+            key: the value's key.
             default: the value if the key is missing; without it, the key is required.
         """
         return cast(str, self._get(key, default, to_name, ""))
@@ -196,7 +196,7 @@ class YamlReader(YamlMap):
         """A number; never NaN.
 
         Args:
-            key: of the value.
+            key: the value's key.
             default: the value if the key is missing; without it, the key is required.
             minimum: the least value that is allowed.
             above: the value must be greater.
@@ -210,7 +210,7 @@ class YamlReader(YamlMap):
         """A rate above zero; `inf` is as often as possible [Hz].
 
         Args:
-            key: of the value.
+            key: the value's key.
             default: the value if the key is missing; without it, the key is required.
         """
         return self.get_float(key, default, above=0.0, allow_infinity=True)
@@ -226,7 +226,7 @@ class YamlReader(YamlMap):
         """A whole number.
 
         Args:
-            key: of the value.
+            key: the value's key.
             default: the value if the key is missing; without it, the key is required.
             minimum: the least value that is allowed.
             maximum: the greatest value that is allowed.
@@ -237,7 +237,7 @@ class YamlReader(YamlMap):
         """True or false, in any of YAML's spellings.
 
         Args:
-            key: of the value.
+            key: the value's key.
             default: the value if the key is missing; without it, the key is required.
         """
         return cast(bool, self._get(key, default, to_bool, True))
@@ -246,7 +246,7 @@ class YamlReader(YamlMap):
         """One of some words.
 
         Args:
-            key: of the value.
+            key: the value's key.
             choices: the words.
             default: the value if the key is missing; without it, the key is required.
 
@@ -267,7 +267,7 @@ class YamlReader(YamlMap):
         """A list of finite numbers.
 
         Args:
-            key: of the list.
+            key: the list's key.
             length: number of its entries.
             default: the value if the key is missing; without it, the key is required.
             minimum: the least number that is allowed.
@@ -283,7 +283,7 @@ class YamlReader(YamlMap):
         """`[x, y, yaw]` [m, m, rad]; a yaw of more than a revolution is a warning.
 
         Args:
-            key: of the value.
+            key: the value's key.
             default: the value if the key is missing; without it, the key is required.
             is_motion: whether it is a motion, which may be of several revolutions.
         """
@@ -296,7 +296,7 @@ class YamlReader(YamlMap):
         """`[x, y]` [m].
 
         Args:
-            key: of the value.
+            key: the value's key.
             default: the value if the key is missing; without it, the key is required.
         """
         point = self._get(key, default, floats_between(2, "[x, y]"), (0.0, 0.0))
@@ -308,7 +308,7 @@ class YamlReader(YamlMap):
         """A list of points `[x, y]` [m].
 
         Args:
-            key: of the list.
+            key: the list's key.
             minimum: the least number of points.
             maximum: the greatest number of points.
             default: the value if the key is missing; without it, the key is required.
@@ -322,7 +322,7 @@ class YamlReader(YamlMap):
         """A list of rows of numbers.
 
         Args:
-            key: of the list.
+            key: the list's key.
             form: of a row, such as "[x, y, radius]".
             default: the value if the key is missing; without it, the key is required.
 
@@ -336,7 +336,7 @@ class YamlReader(YamlMap):
         """A list of polygons, each of three or more points `[x, y]`; empty if it is not given.
 
         Args:
-            key: of the list.
+            key: the list's key.
 
         Returns:
             Each of shape (k, 2).
@@ -347,7 +347,7 @@ class YamlReader(YamlMap):
         """Rows of numbers or booleans, all of the same length.
 
         Args:
-            key: of the rows.
+            key: the rows' key.
 
         Returns:
             Shape (height, width).
@@ -358,7 +358,7 @@ class YamlReader(YamlMap):
         """`[r, g, b, alpha]`, each 0 to 1.
 
         Args:
-            key: of the value.
+            key: the value's key.
             default: the value if the key is missing; without it, the key is required.
         """
         converter = floats_between(4, "[r, g, b, alpha], each 0 to 1", 0.0, 1.0)
@@ -368,7 +368,7 @@ class YamlReader(YamlMap):
         """A list of strings; a single string is a list of one.
 
         Args:
-            key: of the list.
+            key: the list's key.
             default: the value if the key is missing; without it, the key is required.
         """
         return cast(Tuple[str, ...], self._get(key, default, to_strings, ()))
@@ -414,7 +414,7 @@ class YamlReader(YamlMap):
         to this map's `finish` to raise.
 
         Args:
-            key: of the map.
+            key: the map's key.
             required: whether it must be given.
         """
         self._read.add(key)
@@ -439,7 +439,7 @@ class YamlReader(YamlMap):
         An entry for which `read` raises a YamlError is left out, and its problems are noted.
 
         Args:
-            key: of the list.
+            key: the list's key.
             read: reads an entry.
             required: whether the list must be given.
             word: the key that an entry of one word is short for; empty: entries must be maps.
@@ -463,7 +463,7 @@ class YamlReader(YamlMap):
         An entry with `enabled: false` is left out, whatever else is in it.
 
         Args:
-            key: of the list.
+            key: the list's key.
             read: reads an entry.
             required: whether the list must be given.
         """

@@ -39,7 +39,7 @@ class EntryError(ConversionError):
 
     Args:
         message: the expected one.
-        index: of the entry.
+        index: the entry's index.
         node: the entry.
     """
 
@@ -182,7 +182,7 @@ def floats_between(
     """Converts to a list of `length` finite numbers between two bounds, both included.
 
     Args:
-        length: of the list.
+        length: required length of the list.
         expected: what an error says was expected, such as "[x, y]".
         minimum: of each number.
         maximum: of each number.

@@ -38,7 +38,7 @@ class Changes(NamedTuple):
         """The models of a file with these changes.
 
         Args:
-            models: of the file.
+            models: the models in the file.
         """
         kept = [
             replace(entry, pose=self.poses.get(entry.name, entry.pose))
@@ -131,7 +131,7 @@ class ClientEdits:
         """Moves a model.
 
         Args:
-            name: of the model.
+            name: the model's name.
             pose: its new one.
             extends: as for `edit`.
 
@@ -149,7 +149,7 @@ class ClientEdits:
         """Adds a model, within a context `edit`.
 
         Args:
-            entry: of the model.
+            entry: the model's entry.
 
         Raises:
             FlatlandError: it cannot be added.
@@ -162,7 +162,7 @@ class ClientEdits:
         """Deletes models, unless plugins of one have deleted another.
 
         Args:
-            names: of the models.
+            names: the models' names.
         """
         names = list(names)
         with self.edit(names):
@@ -172,7 +172,7 @@ class ClientEdits:
         """Deletes models for ever, like `delete`.
 
         Args:
-            names: of the models.
+            names: the models' names.
         """
         for name in names:
             if name in self._world.models:
@@ -224,7 +224,7 @@ class ClientEdits:
         contents = self._world.contents
         if name not in contents.models:
             return None
-        entry = replace(contents.additions.entries[name], pose=contents.models[name].pose)
+        entry = replace(contents.added.entries[name], pose=contents.models[name].pose)
         return _Placed(entry, contents.layout.get(name))
 
     def _make(
@@ -258,7 +258,7 @@ class ClientEdits:
     def changes(self) -> Changes:
         """The present difference."""
         contents = self._world.contents
-        layout, present = contents.layout, contents.additions.entries
+        layout, present = contents.layout, contents.added.entries
         changes = Changes({}, [], [])
         former = {entry.name: entry for entry in contents.config.models}
         for name, pose in layout.items():

@@ -64,7 +64,7 @@ class Hub:
 
     Attributes:
         manager: the simulation.
-        world: of the simulation.
+        world: the simulation's world.
         transport: carries the topics, and hands calls over to the simulation's thread.
         files: finds the files that clients name.
         edits: what clients have changed.
@@ -104,7 +104,7 @@ class Hub:
         it has none as a failed call.
 
         Args:
-            name: of the service.
+            name: the service's name.
             kind: its type, or the name of that, such as "flatland_msgs/SpawnModel".
             action: answers a request. It reads files on its own thread, and changes the simulation
                 by `transport.call`.

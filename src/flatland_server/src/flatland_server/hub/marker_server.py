@@ -23,7 +23,7 @@ class MarkerServer:
     """Publishes interactive markers.
 
     Args:
-        transport: has the topics.
+        transport: the transport of the topics.
         name: of the topics, without `/update` and so on.
         on_feedback: called with each message of a display, between two steps.
     """
@@ -67,7 +67,7 @@ class MarkerServer:
         """Moves a marker.
 
         Args:
-            name: of the marker.
+            name: the marker's name.
             pose: a geometry_msgs/Pose.
         """
         marker = self._markers[name] = copy(self._markers[name])  # that of messages stays

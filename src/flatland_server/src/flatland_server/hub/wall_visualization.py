@@ -35,9 +35,9 @@ class WallVisualization:
     `~debug/walls` has the same as flatland_msgs/Walls.
 
     Args:
-        layers: of the world.
-        frame_id: of the world.
-        transport: has the topics.
+        layers: the world's layers.
+        frame_id: the world's frame id.
+        transport: the transport of the topics.
     """
 
     def __init__(self, layers: List[Layer], frame_id: str, transport: Transport) -> None:

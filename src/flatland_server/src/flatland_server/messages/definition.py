@@ -86,7 +86,7 @@ class Definition:
         """Reads a definition.
 
         Args:
-            name: of the type.
+            name: the type's name.
             text: in the .msg grammar.
             source: the file, for errors; by default the type's name.
 

@@ -50,7 +50,7 @@ def wire_form(
     """The wire form of a type.
 
     Args:
-        definition: of the type.
+        definition: the type's definition.
         definition_of: the definitions of the types that it uses.
         types: their wire forms, for arrays of them.
         factory: makes items of arrays.

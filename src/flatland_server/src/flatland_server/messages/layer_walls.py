@@ -40,7 +40,7 @@ def walls_of(layers: List[Tuple[LayerConfig, Segments]], frame_id: str) -> LazyW
 
     Args:
         layers: their entries, and segments of shape (n, 4), x1, y1, x2, y2 [m].
-        frame_id: of the world.
+        frame_id: the world's frame id.
     """
 
     def write(buff: Any) -> None:

@@ -115,10 +115,10 @@ def make_class(
     """The class of a message type.
 
     Args:
-        definition: of the type.
+        definition: the type's definition.
         bases: of the class, `Message` the first.
         factory: makes nested messages and times, by the name of their type.
-        wire_form: of the type.
+        wire_form: the type's wire form.
         restore: makes a pickled message again, from the name of its type and its values.
         attributes: others of the class.
     """

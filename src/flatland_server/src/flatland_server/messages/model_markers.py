@@ -29,7 +29,7 @@ class ModelMarkers:
 
     Args:
         model: the model.
-        frame_id: of the world.
+        frame_id: the world's frame id.
     """
 
     def __init__(self, model: Model, frame_id: str) -> None:

@@ -22,9 +22,9 @@ def flat_walls(config: LayerConfig, segments: Segments, frame_id: str) -> Marker
     """The walls as lines on the ground; no marker if there are none.
 
     Args:
-        config: of their layer.
+        config: their layer's config.
         segments: shape (n, 4), x1, y1, x2, y2 [m].
-        frame_id: of the world.
+        frame_id: the world's frame id.
     """
     return _lines(config, segments, 0.0, frame_id)
 

@@ -26,7 +26,7 @@ class CollisionFilterRegistry:
         """Assigns a bit to a new name.
 
         Args:
-            name: of a collision layer.
+            name: a collision layer's name.
 
         Raises:
             ValueError: the name is taken or reserved, or all 16 bits are.

@@ -31,7 +31,7 @@ class Entity(ABC):
         """The name of the body that a fixture belongs to; for a layer, the name of the layer.
 
         Args:
-            fixture: of this entity.
+            fixture: a fixture of this entity.
 
         Raises:
             ModelError: it is not of this entity, or the model has been deleted.

@@ -31,7 +31,7 @@ class LayerConfig:
     Attributes:
         names: of the layer and its collision layers.
         bits: of all its names, together.
-        color: of its walls.
+        color: its walls' color.
         min_z: lower edge of its upright walls in rviz [m].
         max_z: upper edge of its upright walls in rviz [m].
         map: its map file, or the place of the map in the world file; None without one.

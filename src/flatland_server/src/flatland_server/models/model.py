@@ -60,7 +60,7 @@ class ModelConfig:
         """Reads a model file.
 
         Args:
-            path: of the file.
+            path: the file's path.
             registry: the layers that footprints may name.
             preprocessor: has the parameters for the file's expressions.
 
@@ -111,7 +111,7 @@ class ModelConfig:
         """Reads a model from a file that is open in a reader; see `from_file`.
 
         Args:
-            reader: has the file.
+            reader: the reader of the file.
             registry: the layers that footprints may name.
         """
         # In order, and also those of bodies that cannot be read: joints may name them.
@@ -227,7 +227,7 @@ class Model(Entity):
         """A body by its name.
 
         Args:
-            name: of the body.
+            name: the body's name.
 
         Raises:
             ModelError: there is none, or the model has been deleted.
@@ -242,7 +242,7 @@ class Model(Entity):
         """A joint by its name.
 
         Args:
-            name: of the joint.
+            name: the joint's name.
 
         Raises:
             ModelError: there is none, or the model has been deleted.
@@ -268,6 +268,11 @@ class Model(Entity):
     def pose(self) -> Pose:
         """The pose of its origin in the world, derived from the pose of its base."""
         return self.base.pose.compose(self.base.config.pose.inverse()).wrapped()
+
+    @property
+    def is_away(self) -> bool:
+        """Whether it is a recorded person who has not come yet, or has gone."""
+        return self.base.pose.x >= _core.AWAY
 
     @property
     def radius(self) -> float:

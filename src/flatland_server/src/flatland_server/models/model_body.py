@@ -41,7 +41,7 @@ class BodyConfig:
         """Reads an entry; its `enabled` has been read.
 
         Args:
-            reader: has the entry.
+            reader: the reader of the entry.
             registry: the layers that footprints may name.
 
         Raises:

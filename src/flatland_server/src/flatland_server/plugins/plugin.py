@@ -141,7 +141,15 @@ class Plugin:
 
     @property
     def people(self) -> Sequence[Model]:
-        """The models that the plugin moves as people: sweeps measure distances from them."""
+        """The models that the plugin moves as people: sweeps measure distances from them.
+
+        Some of them may be away, see `Model.is_away`.
+        """
+        return ()
+
+    @property
+    def groups(self) -> Sequence[Sequence[Model]]:
+        """Those of its people who belong together, group by group."""
         return ()
 
     def get_frame_id(self, config: YamlReader, key: str, default: Any = REQUIRED) -> str:
@@ -154,7 +162,7 @@ class Plugin:
 
         Args:
             config: the plugin's configuration.
-            key: has the frame.
+            key: the key of the frame.
             default: the frame if the key is missing; without it, the key is required.
         """
         frame_id = config.get_frame(key, default)
@@ -191,14 +199,14 @@ class Plugin:
         request it; see `Lidar.expect_scan`.
 
         Args:
-            timekeeper: has the time, t.
+            timekeeper: the simulated time, t.
         """
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Called before the physics.
 
         Args:
-            timekeeper: has the time, t.
+            timekeeper: the simulated time, t.
         """
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
@@ -247,7 +255,7 @@ class Plugin:
 
         Args:
             canvas: the picture.
-            timekeeper: has the time.
+            timekeeper: the simulated time.
         """
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
@@ -257,7 +265,7 @@ class Plugin:
         first time (`Simulation.last`). It changes nothing that the plugin publishes later.
 
         Args:
-            timekeeper: has the time.
+            timekeeper: the simulated time.
         """
 
     def on_shutdown(self) -> None:

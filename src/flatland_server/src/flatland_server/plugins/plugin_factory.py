@@ -51,7 +51,7 @@ class PluginFactory:
             config: its entry in the file of a model or the world.
             base: the class that it must be derived from.
             model_name: empty for a plugin of the world.
-            namespace: of its topics.
+            namespace: its topics' namespace.
             subject: its model, or the world.
             on_failure: called with the plugin and a description of the callback, if a callback of
                 one of its subscriptions raises an exception.
@@ -92,7 +92,7 @@ def plugin_rng(seed: int, model_name: str, plugin_name: str) -> np.random.Genera
     """The random numbers of a plugin.
 
     Args:
-        seed: of the world.
+        seed: the world's seed.
         model_name: of its model; empty for a plugin of the world.
         plugin_name: its own.
     """

@@ -170,7 +170,7 @@ class PluginManager:
             configs: their entries in the file.
             base: the class that they must be derived from.
             model_name: empty for the world.
-            namespace: of their topics.
+            namespace: their topics' namespace.
             subject: the model, or the world.
 
         Raises:
@@ -278,7 +278,7 @@ class PluginManager:
 
         Args:
             topic: its absolute name.
-            timekeeper: has the present time.
+            timekeeper: the simulated time.
         """
         owners = self._root_node.owners_of(topic)
         for _, plugin in self.all_plugins():

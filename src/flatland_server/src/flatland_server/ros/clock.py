@@ -46,7 +46,7 @@ class ClockPublisher(Clock):
     each as a message of its own.
 
     Args:
-        timekeeper: has the simulated time.
+        timekeeper: the simulated time.
         rospy_calls: the operations of rospy to use.
     """
 

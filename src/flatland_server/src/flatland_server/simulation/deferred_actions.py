@@ -46,12 +46,12 @@ class DeferredActions:
 
     @property
     def is_locked(self) -> bool:
-        """True if every action would be deferred at the moment."""
+        """True if every action would be deferred."""
         return self.lock.depth > 0
 
     @property
-    def is_free(self) -> bool:
-        """True if every action would run at once at the moment."""
+    def defers_nothing(self) -> bool:
+        """True if every action would run at once."""
         return not self.lock.depth and not self._changing
 
     @contextmanager

@@ -1,6 +1,6 @@
-"""A run that keeps its history: states, from which it goes back to any of its moments.
+"""A run that keeps its history: states, from which it goes back to any of its times.
 
-A moment between two states is computed from the one before, in a second world, which the run does
+A time between two states is computed from the one before, in a second world, which the run does
 not notice. For that the inputs are kept: commands, and messages to plugins. Other changes from
 outside, such as spawns, are not repeated; a state is kept after each.
 """
@@ -69,8 +69,8 @@ class History:
         self._run, self._timekeeper = run, run.timekeeper
         self._interval = round(interval * 1e9)
         self._memory, self._share = memory, share
-        self._entries: List[_Entry] = []  # up to the last moment, or to one that was sought
-        self._whole: List[_Entry] = []  # up to the last moment, while in the past
+        self._entries: List[_Entry] = []  # up to the last time, or to one that was sought
+        self._whole: List[_Entry] = []  # up to the last time, while in the past
         self._inputs = bytearray()  # since the last entry, pickled one after the other
         self._seen: Optional[Tuple[object, int]] = None  # `_changes` at the last entry
         self._twin: Optional[_Twin] = None
@@ -84,7 +84,7 @@ class History:
 
     @property
     def span(self) -> Tuple[int, int]:
-        """The times of the first and the last moment [ns].
+        """The first and the last time [ns].
 
         The last one is the present, unless an earlier one was sought.
         """
@@ -94,12 +94,12 @@ class History:
 
     @property
     def begin(self) -> float:
-        """The time of the first moment [s]."""
+        """The first time [s]."""
         return self.span[0] * 1e-9
 
     @property
     def end(self) -> float:
-        """The time of the last moment [s]."""
+        """The last time [s]."""
         return self.span[1] * 1e-9
 
     @property
@@ -109,7 +109,7 @@ class History:
 
     @property
     def is_in_past(self) -> bool:
-        """True if an earlier moment was sought, and the run has not gone on from there."""
+        """True if an earlier time was sought, and the run has not gone on from there."""
         return bool(self._whole)
 
     def seek(self, time: float) -> None:
@@ -152,7 +152,7 @@ class History:
             self._add(state, is_state=True, is_needed=True)
 
     def restart(self) -> None:
-        """Forgets all moments, and begins with the present one."""
+        """Forgets all states, and begins with the present one."""
         self._forget()
         self._keep(is_needed=True)
 
@@ -222,7 +222,7 @@ class History:
         self._size += len(compressed)
 
     def _limit_memory(self) -> None:
-        """Drops every second state if they fill the memory; the oldest moments if inputs do."""
+        """Drops every second state if they fill the memory; the oldest ones if inputs do."""
         if self._size <= self._memory:
             return
         computable = [each for each in self._entries if each.is_state and not each.is_needed]

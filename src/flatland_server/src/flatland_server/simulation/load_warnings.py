@@ -40,7 +40,7 @@ def warn_of_traps(contents: WorldContents) -> None:
     """Warns about a world whose plugins have started: once after its files were read.
 
     Args:
-        contents: of the world.
+        contents: the world's contents.
     """
     config = contents.config
     if _checked.get(id(config)) is config:
@@ -137,7 +137,7 @@ def warn_of_sensors(config: ModelConfig, plugins: Sequence[Plugin]) -> None:
     """Warns of sensors that stay behind, and of lidars on the outline of their own model.
 
     Args:
-        config: of a model.
+        config: a model's config.
         plugins: of the model, which have started.
     """
     readers = {each.name: each.reader for each in config.plugins}

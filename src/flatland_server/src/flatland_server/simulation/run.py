@@ -128,12 +128,12 @@ class Run:
         if transport.has_to_deliver:
             limit = 1
         is_current = contents.plan.subscriber_revision == transport.subscriber_revision
-        is_clear = not deferred.pending and not deferred.lock.depth
-        if is_current and is_clear and self._step_as_planned(limit):
+        has_no_changes = not deferred.pending and not deferred.lock.depth
+        if is_current and has_no_changes and self._step_as_planned(limit):
             transport.flush()
             return limit
         # A valid plan already tells whether a hook is to be called in the next step.
-        if is_clear and deferred.is_free and not (is_current and limit == 1):
+        if has_no_changes and deferred.defers_nothing and not (is_current and limit == 1):
             most = min(limit, _MAX_STEPS_PER_CALL)
             steps = contents.plugins.steps_without_hooks(self.timekeeper, most)
             if steps > 0:
@@ -191,7 +191,7 @@ class Run:
         """Makes a step with all of its hooks."""
         contents, timekeeper = self.world.contents, self.timekeeper
         deferred, plugins = contents.deferred, contents.plugins
-        if not deferred.is_free:
+        if not deferred.defers_nothing:
             raise FlatlandError("a hook of a plugin cannot make a step")
         with deferred.lock:
             plugins.before_physics_step(timekeeper)

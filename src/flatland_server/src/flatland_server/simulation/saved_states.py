@@ -51,9 +51,9 @@ def parts_of(world: World) -> WorldState:
         contents.seed,
         0,
         _wall_counts(contents.config),
-        contents.additions.states_of(contents.models),
+        contents.added.states_of(contents.models),
         {name: list(pose) for name, pose in contents.layout.items()},
-        contents.additions.walls,
+        contents.added.walls,
         list(_footprints(world)),
         [],
         b"",
@@ -71,7 +71,7 @@ def restore(state: WorldState, world: World) -> None:
         raise StateError("the state is of an environment with walls of its own: load it in a batch")
     try:
         _check_walls(state, contents.config)
-        _replay_additions(state, world)
+        _replay_added(state, world)
         contents.layout = {name: Pose(*pose) for name, pose in state.layout.items()}
         for footprint in state.footprints:
             _restore_footprint(footprint, world)
@@ -162,20 +162,20 @@ def _source_of(model: ModelState) -> ModelSource:
     return Path(model.path) if model.content is None else model.content
 
 
-def _replay_additions(state: WorldState, world: World) -> None:
+def _replay_added(state: WorldState, world: World) -> None:
     """Deletes and adds models and walls of a rebuilt world, until it has those of a state."""
     kept = {model.name for model in state.models if model.order is None}
     for name in [name for name in world.models if name not in kept]:
         world.delete_model(name)
-    additions: List[Union[ModelState, WallsState]] = [*state.walls]
-    additions += [model for model in state.models if model.order is not None]
-    for addition in sorted(additions, key=attrgetter("order")):
-        if isinstance(addition, ModelState):
-            pose = Pose(*addition.pose)
-            world.spawn_model(_source_of(addition), addition.name, addition.namespace, pose)
-        elif 0 <= addition.layer < len(world.layers):
-            world.add_walls(world.layers[addition.layer].name, addition.segments)
-    entries = world.contents.additions.entries
+    added: List[Union[ModelState, WallsState]] = [*state.walls]
+    added += [model for model in state.models if model.order is not None]
+    for each in sorted(added, key=attrgetter("order")):
+        if isinstance(each, ModelState):
+            pose = Pose(*each.pose)
+            world.spawn_model(_source_of(each), each.name, each.namespace, pose)
+        elif 0 <= each.layer < len(world.layers):
+            world.add_walls(world.layers[each.layer].name, each.segments)
+    entries = world.contents.added.entries
     expected, found = _names([entries[name] for name in world.models]), _names(state.models)
     if expected != found:
         raise StateError(

@@ -15,7 +15,7 @@ class StepRequest:
         expected: topics, by their absolute names; the first step waits until all subscriptions to
             them have received a message since the last step.
         deadline: real time at which the wait ends without a step [s].
-        arrivals: of the transport.
+        arrivals: the transport's arrivals.
 
     Raises:
         ValueError: the count is below 1, or a topic has no subscription here.

@@ -104,7 +104,7 @@ class World:
         """Loads a world file.
 
         Args:
-            path: of the file.
+            path: the file's path.
             transport: as for the class.
             seed: as for the class.
             simplify_map: how much the outlines of map images are simplified; see `read_map`.
@@ -127,7 +127,7 @@ class World:
         """Another world of the same files and plugin classes, as it is after a reset.
 
         Args:
-            transport: of the other world.
+            transport: the other world's transport.
         """
         return World(self.config, transport, seed=self.seed, loader=self._loader)
 
@@ -196,7 +196,7 @@ class World:
         """The model of this name.
 
         Args:
-            name: of the model.
+            name: the model's name.
 
         Raises:
             ModelError: there is no such model.
@@ -307,7 +307,7 @@ class World:
         """A warning for a model that was put within walls or other models.
 
         Args:
-            model: of this world.
+            model: a model of this world.
 
         Returns:
             A sentence that names what it overlaps; empty if it overlaps nothing.
@@ -324,7 +324,7 @@ class World:
         In a plugin's hook, this happens at the end of the step.
 
         Args:
-            name: of the model.
+            name: the model's name.
 
         Raises:
             ModelError: there is no such model.
@@ -342,7 +342,7 @@ class World:
         In a plugin's hook, this happens at the end of the step; a failure is then logged.
 
         Args:
-            name: of the model.
+            name: the model's name.
             pose: x, y [m] and yaw [rad] of its origin in the world.
 
         Raises:
@@ -377,7 +377,7 @@ class World:
     @property
     def is_between_steps(self) -> bool:
         """True if no step is being made, and no plugin is being started or stopped."""
-        return self.contents.deferred.is_free and not self.contents.is_starting
+        return self.contents.deferred.defers_nothing and not self.contents.is_starting
 
     def require_between_steps(self, name: str) -> None:
         """Checks that no step is being made, and no plugin is being started or stopped.
@@ -410,7 +410,7 @@ class World:
         """
         contents = self.contents
         deferred = contents.deferred
-        if contents.is_starting or not (deferred.is_free or deferred.is_locked):
+        if contents.is_starting or not (deferred.defers_nothing or deferred.is_locked):
             raise FlatlandError("the world cannot be reset while plugins are started or stopped")
         chosen = contents.seed if seed is None else seed
         deferred.run_or_defer(
@@ -436,8 +436,8 @@ class World:
         """Replaces all contents, between two steps; for `Run`.
 
         Args:
-            config: of the new contents.
-            seed: of the new contents.
+            config: what the new contents are made of.
+            seed: the seed of the new contents.
             restore: called when these have started, before the former ones are gone.
 
         Raises:

@@ -100,7 +100,7 @@ class WorldConfig:
         """Reads a world file and the files that it refers to.
 
         Args:
-            path: of the file.
+            path: the file's path.
             preprocessor: evaluates expressions in the files.
             simplify_map: how much the outlines of map images are simplified; see `read_map`.
             model_folders: where model files are looked up that are not beside the world file.
@@ -183,7 +183,7 @@ class WorldConfig:
         """Like `from_file`, for a file that has been parsed already.
 
         Args:
-            reader: has the file.
+            reader: the reader of the file.
             preprocessor: as for `from_file`.
             simplify_map: as for `from_file`.
             model_folders: as for `from_file`.
@@ -236,7 +236,7 @@ class WorldConfig:
         """The same world with the random numbers of a seed; itself if its files have none.
 
         Args:
-            seed: of the world.
+            seed: the world's seed.
 
         Raises:
             FlatlandError: with this seed, something in the files is wrong.
@@ -319,7 +319,7 @@ class WorldConfig:
         """The walls of a layer in the world [m]: shape (n, 4), x1, y1, x2, y2.
 
         Args:
-            layer: of this world.
+            layer: a layer of this world.
         """
         return self.walls[layer.map] if layer.map is not None else np.empty((0, 4))
 

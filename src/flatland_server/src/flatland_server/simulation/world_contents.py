@@ -12,7 +12,7 @@ from flatland_server.models.model import Model
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.plugins.plugin_manager import PluginManager, PluginRevision
-from flatland_server.simulation.additions import Additions
+from flatland_server.simulation.added_objects import AddedObjects
 from flatland_server.simulation.deferred_actions import DeferredActions
 from flatland_server.simulation.load_progress import LoadProgress
 from flatland_server.simulation.world_config import ModelEntry, WorldConfig
@@ -37,7 +37,7 @@ class WorldContents:
         plugins: of the world and its models.
         plan: the time until which steps call no hooks.
         deferred: changes that wait until they are safe.
-        additions: models and walls that have been added since the world was made.
+        added: models and walls that have been added since the world was made.
         layout: the poses of models as a world file has them: those of the file, as clients have
             spawned, moved and deleted them. Robots that drive and what plugins do change nothing.
         is_starting: whether the contents are still being made.
@@ -64,7 +64,7 @@ class WorldContents:
             self.plugins.on_failure = former.plugins.on_failure
         self.plan = self.plugins.plan
         self.deferred = DeferredActions()
-        self.additions = Additions()
+        self.added = AddedObjects()
         self.layout: Dict[str, Pose] = {entry.name: entry.pose for entry in config.models}
         self.is_starting = True
 
@@ -127,7 +127,7 @@ class WorldContents:
                 for other in in_order[in_order.index(model) + 1 :]:
                     self.remove_model(other)  # spawned by the failed model's plugins
                 raise
-        self.additions.add_model(entry, self._comes_with_another)
+        self.added.add_model(entry, self._comes_with_another)
         self.deferred.run_pending()
         return model
 
@@ -140,7 +140,7 @@ class WorldContents:
                 self.plugins.stop(model.name)
             finally:
                 del self.models[model.name]
-                self.additions.remove_model(model.name)
+                self.added.remove_model(model.name)
                 self._remove_bodies(model)
 
     def has(self, model: Model) -> bool:
@@ -155,12 +155,12 @@ class WorldContents:
         """
         layer.add_walls(segments)
         if not self._comes_with_another:
-            self.additions.add_walls(self.layers.index(layer), segments)
+            self.added.add_walls(self.layers.index(layer), segments)
         self.plugins.refresh(layer)
 
     @property
     def _comes_with_another(self) -> bool:
-        """True if a rebuild of the world or of a model repeats an addition made now."""
+        """True if a rebuild of the world or of a model repeats what is added now."""
         return self.is_starting or self.plugins.is_starting
 
     def close(self) -> None:

@@ -34,7 +34,7 @@ class WorldFiles:
     Args:
         folder: an existing folder; by default a temporary one, removed with this object.
         loader: finds plugin classes; by default those that packages export.
-        step_size: of the simulations [s].
+        step_size: the simulations' step size [s].
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class WorldFiles:
         """Writes a file.
 
         Args:
-            name: of the file.
+            name: the file's name.
             content: a dict is written as YAML, a string without its common indentation.
         """
         if not isinstance(content, str):
@@ -137,7 +137,7 @@ class WorldFiles:
 
         Args:
             plugins: the entries of its plugins.
-            footprint: of its body.
+            footprint: its body's footprint.
             namespace: of its topics and frames.
             pose: where it stands [m, m, rad].
             walls: put on a layer "walls".

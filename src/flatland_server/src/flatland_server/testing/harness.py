@@ -44,7 +44,7 @@ class Harness(Run):
         """A model by its name.
 
         Args:
-            name: of the model.
+            name: the model's name.
 
         Raises:
             ModelError: there is no such model.

@@ -9,8 +9,8 @@ class Clock:
     """Publishes the time of each step.
 
     Args:
-        transport: has the topic.
-        timekeeper: has the simulated time.
+        transport: the transport of the topic.
+        timekeeper: the simulated time.
     """
 
     def __init__(self, transport: Transport, timekeeper: Timekeeper) -> None:

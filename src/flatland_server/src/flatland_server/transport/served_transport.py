@@ -41,7 +41,7 @@ class ServedTransport(Transport):
         """Opens /clock.
 
         Args:
-            timekeeper: has the simulated time.
+            timekeeper: the simulated time.
         """
         return Clock(self, timekeeper)
 
@@ -86,7 +86,7 @@ class ServedTransport(Transport):
         """Drops the last message of a latched topic, which later subscribers would get.
 
         Args:
-            publisher: of the topic.
+            publisher: a publisher of the topic.
         """
 
     def registration(self) -> ContextManager[None]:

@@ -26,7 +26,7 @@ class Tap(ABC):
 
         Args:
             topic: its absolute name.
-            message: of the topic.
+            message: a message of the topic.
             is_latched: whether new subscribers get it, too.
         """
 

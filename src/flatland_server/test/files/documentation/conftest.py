@@ -46,7 +46,7 @@ class Documented:
     """A folder with the documentation's examples, and the files that they name.
 
     Args:
-        files: of the folder.
+        files: the folder's files.
     """
 
     def __init__(self, files: Any) -> None:
@@ -100,8 +100,8 @@ class Documented:
         Args:
             plugins: a page's, or the entry of one.
             model: the file up to the plugins; by default a disc named "base".
-            namespace: of the robot.
-            pose: of the robot.
+            namespace: the robot's namespace.
+            pose: the robot's pose.
         """
         self._write(plugins, model)
         self.files.write("walled.yaml", IN_FRONT_OF_A_WALL.format(namespace=namespace, pose=pose))

@@ -76,7 +76,7 @@ def test_the_bool_sensor_of_the_example_is_in_the_models_namespace(documented):
 
 
 @pytest.mark.parametrize("plugins", ["example", "type: ModelTfPublisher, name: least"])
-def test_the_transforms_by_default_and_of_the_example_are_from_the_first_body(documented, plugins):
+def test_transforms_are_from_the_first_body(documented, plugins):
     if plugins == "example":
         plugins = documented.page("model_tf_publisher")
     robot = documented.robot(plugins, documented.discs("base_link", "castor_wheel"))

@@ -12,7 +12,7 @@ from flatland_server.geometry import Pose
 CONTACT_HOOKS = ("begin_contact", "pre_solve", "post_solve", "end_contact")
 
 
-def test_a_velocity_that_is_set_when_a_contact_begins_replaces_the_response_of_the_solver(room):
+def test_a_velocity_set_in_begin_contact_replaces_the_response(room):
     def turn_back(plugin, _):
         plugin.model.base.physics_body.velocity = (-3.0, 0.0, 0.0)
 
@@ -86,9 +86,7 @@ def test_forces_can_be_applied_in_contact_hooks_before_the_solver(room, hook, pu
         pytest.param(lambda m, b: m.physics.step(DT), id="step"),
     ],
 )
-def test_a_change_that_is_impossible_during_a_step_switches_off_only_the_plugin_that_tries_it(
-    room, hook, action, caplog
-):
+def test_an_impossible_change_in_a_hook_switches_off_only_its_plugin(room, hook, action, caplog):
     def try_it(plugin, *_):
         if plugin.label == "bad/p0":
             action(plugin.model, plugin.model.base.physics_body)
@@ -110,7 +108,7 @@ def test_a_change_that_is_impossible_during_a_step_switches_off_only_the_plugin_
 
 
 @pytest.mark.parametrize("hook", CONTACT_HOOKS)
-def test_an_interrupt_in_a_hook_ends_the_step_and_the_world_is_usable_afterwards(room, hook):
+def test_an_interrupt_in_a_hook_leaves_a_usable_world(room, hook):
     def interrupt(*_):
         del actions[hook]
         raise KeyboardInterrupt

@@ -61,7 +61,7 @@ def test_the_core_reports_no_contacts_of_a_model_without_contact_hooks(room, plu
     assert events == []
 
 
-def test_the_core_reports_no_contacts_of_a_model_after_its_only_listener_has_failed(room, caplog):
+def test_no_contacts_are_reported_after_the_only_listener_failed(room, caplog):
     def fail(*_):
         raise RuntimeError("no luck")
 
@@ -94,7 +94,7 @@ def test_a_plugin_gets_only_the_contacts_of_its_own_model(room):
     }
 
 
-def test_the_plugins_of_both_models_get_a_contact_in_the_order_in_which_they_were_started(room):
+def test_plugins_of_both_models_get_a_contact_in_starting_order(room):
     left = room.put("left", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), "Listener | OnlyBegin | Listener")
     right = room.put("right", (0.3, 0.0, 0.0), (-1.0, 0.0, 0.0), "Listener")
 
@@ -156,7 +156,7 @@ def test_plugins_of_the_world_get_the_contacts_of_later_models_and_walls_too(fil
     assert [new_wall in (c.fixture_a.body, c.fixture_b.body) for c in pairs] == [True]
 
 
-def test_a_plugin_gets_the_contact_of_its_model_with_a_wall_that_was_added_later(room):
+def test_a_plugin_gets_contacts_with_a_wall_added_later(room):
     room.put("ball", (0.0, 0.0, 0.0), (-2.0, 0.0, 0.0), "Listener")
     room.add_wall(-0.5, -5.0, -0.5, 5.0)
 
@@ -165,7 +165,7 @@ def test_a_plugin_gets_the_contact_of_its_model_with_a_wall_that_was_added_later
     assert called_hooks().count("begin_contact") == 1
 
 
-def test_plugins_of_the_world_get_all_contacts_of_a_wall_that_was_added_later(files, simulate):
+def test_world_plugins_get_contacts_of_a_wall_added_later(files, simulate):
     room = Room(files, simulate, "[{type: WorldListener, name: world}]")
     foreign = room.world.physics.add_body("dynamic", (-0.5, 0.0, 0.0))
     foreign.add_circle((0.0, 0.0), 0.1, density=1.0)

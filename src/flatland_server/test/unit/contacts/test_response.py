@@ -31,7 +31,7 @@ def test_a_body_with_enabled_contacts_is_stopped_by_the_wall(room):
     assert ball.pose.x == pytest.approx(1.0 - RADIUS, abs=0.01)
 
 
-def test_two_models_pass_through_each_other_if_one_of_them_disables_the_contact(room):
+def test_models_pass_through_each_other_if_a_contact_is_disabled(room):
     def let_pass(plugin, contact, _):
         contact.set_enabled(plugin.model.name != "ghost" and contact.enabled)
 

@@ -81,7 +81,7 @@ def test_models_may_be_deleted_when_the_contact_with_a_deleted_model_ends(stage,
     stage.check()
 
 
-def test_models_may_be_spawned_and_moved_when_the_contact_with_a_deleted_model_ends(stage):
+def test_models_may_be_spawned_in_end_contact_of_a_deleted_one(stage):
     plans["robot", "begin_contact"] = lambda: None
     stage.run_until_done()
 

@@ -70,7 +70,7 @@ def test_actions_that_are_deferred_by_deferred_actions_run_after_all_others(
     assert done == ["first", "second", "third"]
 
 
-def test_an_unexpected_exception_of_a_deferred_action_is_raised_and_the_others_are_kept(
+def test_an_exception_of_a_deferred_action_is_raised_and_others_stay(
     deferred, request_action, done
 ):
     def fail() -> None:

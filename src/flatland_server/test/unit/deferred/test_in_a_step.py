@@ -196,7 +196,7 @@ def test_changes_that_fail_only_at_the_end_of_the_step_are_logged(stage, hook, c
     assert +starts - ends == Counter(robot=1, post=1)
 
 
-def test_the_plugins_of_a_model_that_is_spawned_in_a_hook_are_called_from_the_next_step_on(stage):
+def test_plugins_of_a_model_spawned_in_a_hook_start_in_the_next_step(stage):
     hooks = []
     plans["robot", "before_physics_step"] = lambda: stage.spawn("newcomer")
     for hook in ("before_physics_step", "after_physics_step"):
@@ -209,7 +209,7 @@ def test_the_plugins_of_a_model_that_is_spawned_in_a_hook_are_called_from_the_ne
     assert hooks == ["before_physics_step", "after_physics_step"]
 
 
-def test_the_plugins_of_a_model_that_is_deleted_in_a_hook_are_called_to_the_end_of_the_step(stage):
+def test_plugins_of_a_model_deleted_in_a_hook_finish_the_step(stage):
     hooks = []
     plans["robot", "before_physics_step"] = lambda: stage.world.delete_model("bystander")
     plans["bystander", "after_physics_step"] = lambda: hooks.append("after")

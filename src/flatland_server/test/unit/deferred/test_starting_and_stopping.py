@@ -100,7 +100,7 @@ def test_the_name_of_a_model_is_in_use_until_it_is_deleted(stage):
     assert starts["robot"] == 2
 
 
-def test_models_that_a_plugin_has_spawned_are_deleted_if_its_own_model_does_not_start(stage):
+def test_models_spawned_by_a_model_that_fails_to_start_are_deleted(stage):
     def ask():
         plans["second", "on_initialize"] = lambda: stage.spawn("third")
         stage.spawn("second")
@@ -116,7 +116,7 @@ def test_models_that_a_plugin_has_spawned_are_deleted_if_its_own_model_does_not_
     stage.spawn("newcomer")
 
 
-def test_models_that_a_failing_one_has_spawned_may_delete_each_other_when_they_stop(stage):
+def test_models_spawned_by_a_failing_one_may_delete_each_other(stage):
     def ask():
         for name, other in (("second", "third"), ("third", "second")):
             stage.spawn(name)

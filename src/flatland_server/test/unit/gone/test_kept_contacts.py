@@ -50,7 +50,7 @@ def test_impulses_and_manifolds_may_be_kept(world, simulate):
     assert all(len(detail.normal_impulses) in (0, 1) for detail in details)
 
 
-def test_the_sides_of_a_kept_contact_are_gone_when_one_of_its_bodies_is_deleted(world, simulate):
+def test_sides_of_a_kept_contact_are_gone_with_a_body(world, simulate):
     simulate(world).run(0.1)
     keeper, contact, *_ = kept[0]
     assert keeper.filter_contact(contact).entity is world.layers[0]

@@ -6,7 +6,7 @@ from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_factory import _stream
 
 
-def test_plugins_are_called_in_the_order_of_the_files_and_those_of_the_world_last(files):
+def test_plugins_are_called_in_file_order_and_the_worlds_last(files):
     models = "b: type: Recorder, name: y | type: Recorder, name: x; a: type: Recorder, name: z"
     world = world_of(files, models, "[{type: WorldRecorder, name: w}]")
     assert calls == [
@@ -65,7 +65,7 @@ def test_random_numbers_depend_only_on_seed_model_and_plugin(files):
     assert len({*numbers.values(), *other_seed.values()}) == 8
 
 
-def test_a_slash_in_a_name_does_not_make_two_plugins_share_their_random_numbers():
+def test_a_slash_in_a_name_does_not_share_random_numbers():
     names = [("a", "b/c"), ("a/b", "c"), ("", "a/b/c"), ("a", "b"), ("", "b")]
 
     assert len({_stream(*pair) for pair in names}) == len(names)

@@ -155,7 +155,7 @@ def test_a_plugin_that_also_fails_in_on_shutdown_is_shut_down_once(files, caplog
     ]
 
 
-def test_a_plugin_that_was_switched_off_stays_off_when_models_are_spawned_and_deleted(files):
+def test_a_plugin_that_was_switched_off_stays_off(files):
     world = world_of(files, "robot: type: Recorder, name: bad, fails_in: before")
     other = write_model(files, "other", "type: Recorder, name: good")
     step(world)

@@ -22,7 +22,7 @@ def test_deleting_a_model_stops_its_plugins_in_reverse_order(files):
     assert {call[0] for call in calls[2:]} == {"other/a", "other/b"}
 
 
-def test_a_plugin_that_fails_in_on_shutdown_does_not_prevent_that_of_the_others(files, caplog):
+def test_a_failing_on_shutdown_does_not_prevent_the_others(files, caplog):
     plugins = "type: Recorder, name: a | type: Recorder, name: b, fails_in: on_shutdown"
     world = world_of(files, f"robot: {plugins}")
     calls.clear()

@@ -53,7 +53,7 @@ def test_only_the_numbers_that_differ_are_written(server):
     assert server.opened == [str(server.path)]
 
 
-def test_deleted_and_spawned_models_leave_comments_and_other_entries_as_they_are(server):
+def test_saving_models_keeps_comments_and_other_entries(server):
     server.delete("b")
     server.delete("a")
     server.spawn("robot", 1.0, 2.0, ns="~r1")
@@ -200,7 +200,7 @@ def test_what_cannot_be_changed_alone_is_left_as_it_is(files, models, error):
     assert server.edits.count == 1
 
 
-def test_a_copy_in_another_folder_finds_its_files_and_is_the_worlds_file_then(files, tmp_path):
+def test_a_copy_in_another_folder_finds_its_files(files, tmp_path):
     files.write("more.yaml", "{name: e, model: box.yaml}\n")
     walls = files.walls("room", "0 0 1 1")
     text = (

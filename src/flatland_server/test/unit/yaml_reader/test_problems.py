@@ -76,7 +76,7 @@ def test_an_unknown_key_has_the_line_of_the_key_not_of_its_value(tmp_path):
     assert message == 'file.yaml:1: unknown key "modles" (did you mean "models"?)'
 
 
-def test_problems_that_only_the_caller_can_find_have_the_places_of_their_values(tmp_path):
+def test_problems_found_by_the_caller_have_places(tmp_path):
     def read_model(section: YamlReader) -> None:
         section.problem("there is no such body", "body")
         section.problem("is too heavy")

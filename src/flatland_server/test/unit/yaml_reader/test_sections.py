@@ -35,7 +35,7 @@ def test_of_a_wrong_section_only_that_is_said_and_not_what_is_missing_in_it(
     assert refusal(tmp_path, text, read_section) == f"file.yaml:{message}"
 
 
-def test_a_choice_within_a_missing_section_raises_that_the_section_is_missing(tmp_path):
+def test_a_choice_in_a_missing_section_names_the_section(tmp_path):
     def read_section(reader: YamlReader) -> None:
         reader.get_section("shape", required=True).get_choice("type", SHAPES)
 

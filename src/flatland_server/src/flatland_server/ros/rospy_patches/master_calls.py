@@ -34,7 +34,7 @@ class Change(NamedTuple):
 
     Attributes:
         is_open: whether it is to be made.
-        kind: of the registration.
+        kind: the registration's kind.
         name: of the topic or service.
         detail: a topic's type, or a service's URI.
     """

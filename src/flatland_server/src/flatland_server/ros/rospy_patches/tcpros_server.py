@@ -129,7 +129,7 @@ class _Handshake:
 
     Args:
         connection: its socket.
-        address: of the peer.
+        address: the peer's address.
     """
 
     def __init__(self, connection: socket.socket, address: Any) -> None:

@@ -1,4 +1,4 @@
-#include "sending/room_watcher.hpp"
+#include "sending/socket_poller.hpp"
 
 #include <sys/epoll.h>
 
@@ -9,16 +9,16 @@
 
 namespace flatland {
 
-RoomWatcher& RoomWatcher::Get() {
-  static auto* const watcher = new RoomWatcher;
-  return *watcher;
+SocketPoller& SocketPoller::Get() {
+  static auto* const poller = new SocketPoller;
+  return *poller;
 }
 
-RoomWatcher::RoomWatcher() : epoll_(epoll_create1(EPOLL_CLOEXEC)) {
+SocketPoller::SocketPoller() : epoll_(epoll_create1(EPOLL_CLOEXEC)) {
   std::thread([this] { Run(); }).detach();
 }
 
-bool RoomWatcher::Watch(const std::shared_ptr<SubscriberQueue>& queue) {
+bool SocketPoller::Watch(const std::shared_ptr<SubscriberQueue>& queue) {
   const int socket = queue->socket_;
   {
     const std::lock_guard lock(mutex_);
@@ -31,13 +31,13 @@ bool RoomWatcher::Watch(const std::shared_ptr<SubscriberQueue>& queue) {
          epoll_ctl(epoll_, EPOLL_CTL_MOD, socket, &event) == 0;
 }
 
-void RoomWatcher::Forget(int socket) {
+void SocketPoller::Forget(int socket) {
   const std::lock_guard lock(mutex_);
   queues_.erase(socket);
   epoll_ctl(epoll_, EPOLL_CTL_DEL, socket, nullptr);
 }
 
-std::shared_ptr<SubscriberQueue> RoomWatcher::Take(int socket) {
+std::shared_ptr<SubscriberQueue> SocketPoller::Take(int socket) {
   const std::lock_guard lock(mutex_);
   const auto found = queues_.find(socket);
   if (found == queues_.end()) return nullptr;
@@ -46,7 +46,7 @@ std::shared_ptr<SubscriberQueue> RoomWatcher::Take(int socket) {
   return queue;
 }
 
-void RoomWatcher::Run() {
+void SocketPoller::Run() {
   std::array<epoll_event, 64> events{};
   for (;;) {
     const int count = epoll_wait(epoll_, events.data(), events.size(), -1);
@@ -54,7 +54,7 @@ void RoomWatcher::Run() {
       const auto queue = Take(events[static_cast<std::size_t>(i)].data.fd);
       if (queue == nullptr) continue;
       const std::lock_guard lock(queue->mutex_);
-      queue->waits_for_room_ = false;
+      queue->is_polled_ = false;
       queue->SendMessages();  // none, if it was closed
     }
   }

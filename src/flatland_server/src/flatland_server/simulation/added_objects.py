@@ -9,16 +9,15 @@ from flatland_server.simulation.world_config import ModelEntry
 from flatland_server.simulation.world_state import ModelState, WallsState
 
 
-class Additions:
+class AddedObjects:
     """Models and walls in the order in which they were added.
 
-    Those that come with the world, or that plugins add in `on_initialize`, are not additions:
-    rebuilding the world or the plugin brings them back. Such models are noted nevertheless, since
-    they may be deleted.
+    Rebuilding the world or a plugin brings back those that come with the world or that plugins add
+    in `on_initialize`. Such walls are not recorded, such models only because they may be deleted.
 
     Attributes:
-        entries: of all models of the world, by name, each with the pose at which it was added.
-        walls: that were added.
+        entries: by name, those of all models of the world, with the poses at which they were added.
+        walls: the added walls.
     """
 
     def __init__(self) -> None:
@@ -28,24 +27,23 @@ class Additions:
         self.walls: List[WallsState] = []
 
     def add_model(self, entry: ModelEntry, comes_with_another: bool) -> None:
-        """Notes a model.
+        """Records a model.
 
         Args:
             entry: the model's entry.
-            comes_with_another: whether a rebuild of the world or of another model repeats this
-                addition.
+            comes_with_another: whether a rebuild of the world or of another model adds it again.
         """
         self._count += 1
         self.entries[entry.name] = entry
         self._orders[entry.name] = None if comes_with_another else self._count
 
     def remove_model(self, name: str) -> None:
-        """Notes that a model is gone."""
+        """Removes the record of a model."""
         self.entries.pop(name, None)
         self._orders.pop(name, None)
 
     def add_walls(self, layer: int, segments: Segments) -> None:
-        """Notes walls of a layer that no rebuild of the world or of a model repeats."""
+        """Records walls of a layer that no rebuild of the world or of a model adds again."""
         self._count += 1
         self.walls.append(WallsState(self._count, layer, segments.copy()))
 

@@ -10,7 +10,9 @@ from flatland_gym.settings import NavigationSettings
 from flatland_server import BoolArray, FloatArray
 
 
-def judge(transition: Transition, settings: NavigationSettings) -> Tuple[FloatArray, BoolArray]:
+def evaluate_step(
+    transition: Transition, settings: NavigationSettings
+) -> Tuple[FloatArray, BoolArray]:
     """Rewards and terminations of n environments, by the settings' functions if there are any.
 
     Raises:
@@ -18,7 +20,7 @@ def judge(transition: Transition, settings: NavigationSettings) -> Tuple[FloatAr
     """
     count, step = len(transition.distance), transition
     if settings.reward is not None or settings.terminated is not None:
-        arrays = {name: _frozen(getattr(transition, name)) for name in Transition._fields[:-2]}
+        arrays = {name: frozen(getattr(transition, name)) for name in Transition._fields[:-2]}
         step = transition._replace(**arrays)
     if settings.reward is None:
         rewards = navigation_reward(step, settings.rewards)
@@ -31,7 +33,7 @@ def judge(transition: Transition, settings: NavigationSettings) -> Tuple[FloatAr
     return rewards, terminated
 
 
-def _frozen(array: Any) -> Any:
+def frozen(array: Any) -> Any:
     """A read-only view."""
     view = array.view()
     view.flags.writeable = False

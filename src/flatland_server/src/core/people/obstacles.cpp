@@ -1,4 +1,4 @@
-#include "people/surroundings.hpp"
+#include "people/obstacles.hpp"
 
 #include <algorithm>
 #include <cmath>

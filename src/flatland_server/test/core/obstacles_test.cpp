@@ -1,6 +1,6 @@
 /// The walls and bodies that people avoid.
 
-#include "people/surroundings.hpp"
+#include "people/obstacles.hpp"
 
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ void ExpectSeen(const Obstacle& seen, double gap, double away) {
 
 const std::vector<Segment> kCorridor{{{-9, 1}, {9, 1}}, {{-9, -0.5}, {9, -0.5}}};
 
-TEST(SurroundingsTest, AWallIsSeenOnceHoweverManyPiecesItHas) {
+TEST(ObstaclesTest, AWallIsSeenOnceHoweverManyPiecesItHas) {
   for (const int pieces : {1, 7, 1000}) {
     std::vector<Segment> wall;
     for (int i = 0; i < pieces; ++i) {
@@ -44,21 +44,21 @@ TEST(SurroundingsTest, AWallIsSeenOnceHoweverManyPiecesItHas) {
   }
 }
 
-TEST(SurroundingsTest, BothWallsOfACorridorAreSeen) {
+TEST(ObstaclesTest, BothWallsOfACorridorAreSeen) {
   const std::vector<Obstacle> seen = Around(kCorridor, {3, 0});
   ASSERT_EQ(seen.size(), 2u);
   ExpectSeen(seen[0], 0.5, M_PI / 2);
   ExpectSeen(seen[1], 1.0, -M_PI / 2);
 }
 
-TEST(SurroundingsTest, BothWallsOfACornerAreSeen) {
+TEST(ObstaclesTest, BothWallsOfACornerAreSeen) {
   const std::vector<Obstacle> seen = Around({{{0, 0}, {9, 0}}, {{0, 0}, {0, 9}}}, {0.4, 0.6});
   ASSERT_EQ(seen.size(), 2u);
   ExpectSeen(seen[0], 0.4, 0.0);
   ExpectSeen(seen[1], 0.6, M_PI / 2);
 }
 
-TEST(SurroundingsTest, BothEndsOfADoorwayAreSeen) {
+TEST(ObstaclesTest, BothEndsOfADoorwayAreSeen) {
   const std::vector<Segment> door{{{0, -9}, {0, -0.5}}, {{0, 0.5}, {0, 9}}};
   const std::vector<Obstacle> seen = Around(door, {-0.3, 0.1});
   ASSERT_EQ(seen.size(), 2u);
@@ -66,14 +66,14 @@ TEST(SurroundingsTest, BothEndsOfADoorwayAreSeen) {
   ExpectSeen(seen[1], std::hypot(0.3, 0.6), std::atan2(0.6, -0.3));
 }
 
-TEST(SurroundingsTest, NoWallIsSeenBeyondTheReachOrOnOtherLayers) {
+TEST(ObstaclesTest, NoWallIsSeenBeyondTheReachOrOnOtherLayers) {
   EXPECT_TRUE(Around({}, {1, 2}).empty());
   EXPECT_TRUE(Around(kCorridor, {3, 1 + kReach + 0.01}).empty());
   EXPECT_EQ(Around(kCorridor, {3, 1 + kReach - 0.01}).size(), 1u);
   EXPECT_TRUE(Around(kCorridor, {3, 0}, 2).empty());
 }
 
-TEST(SurroundingsTest, OnAWallThereIsNoDirectionAway) {
+TEST(ObstaclesTest, OnAWallThereIsNoDirectionAway) {
   const std::vector<Obstacle> seen = Around(kCorridor, {1, 1});
   ASSERT_EQ(seen.size(), 2u);
   EXPECT_EQ(seen[0].gap, 0.0);
@@ -81,7 +81,7 @@ TEST(SurroundingsTest, OnAWallThereIsNoDirectionAway) {
   ExpectSeen(seen[1], 1.5, M_PI / 2);
 }
 
-TEST(SurroundingsTest, ThePointOfABodyThatIsNearest) {
+TEST(ObstaclesTest, ThePointOfABodyThatIsNearest) {
   b2CircleShape disc;
   disc.m_p.Set(2.0f, 0.0f);
   disc.m_radius = 0.5f;

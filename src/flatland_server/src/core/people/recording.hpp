@@ -1,0 +1,32 @@
+#pragma once
+
+/// Walks of people that were recorded, one after the other: those that a body follows.
+
+#include <cstdint>
+#include <vector>
+
+#include "base/geometry.hpp"
+
+namespace flatland {
+
+/// Where people are that have not come yet, or have gone: beyond both coordinates [m].
+constexpr double kAway = 9e4;
+
+struct Recording {
+  /// Of one person, from its first to its last frame.
+  struct Walk {
+    std::vector<int64_t> times;  ///< [ns], ascending
+    std::vector<Vec2> points;    ///< at these [m]
+  };
+
+  std::vector<Walk> walks;  ///< in the order of their times, without overlaps
+
+  /// Throws std::invalid_argument if the walks are not as described.
+  void Require() const;
+  /// The walk that goes on at a time [ns]; -1 if there is none.
+  int WalkAt(int64_t time) const;
+  /// The point of a walk at a time [ns], or at its nearest end; straight between two frames.
+  Vec2 PointAt(int walk, int64_t time) const;
+};
+
+}  // namespace flatland
