@@ -48,6 +48,7 @@ def test_grids_of_the_shipped_worlds_stay_the_same():
         "intersection": (21624, 2926547506),
         "office": (76312, 467121480),
         "overtaking": (2926, 2405919019),
+        "racetrack": (46481, 512349358),
         "test_room": (5076, 154564600),
     }
 
