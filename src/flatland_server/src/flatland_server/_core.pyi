@@ -235,9 +235,7 @@ class WorldBatch(metaclass=_Metaclass):
         world: World,
         *,
         robots: Sequence[
-            tuple[
-                Sequence[Body], _TripleLike, Drive | Tricycle | Ackermann, Sequence[int], Lidar
-            ]
+            tuple[Sequence[Body], _TripleLike, Drive | Tricycle | Ackermann, Sequence[int], Lidar]
         ],
         count: int,
         threads: int,

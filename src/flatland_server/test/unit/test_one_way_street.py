@@ -161,9 +161,7 @@ def test_packages_import_one_way(package, forbidden):
 def test_the_bridge_is_imported_by_flatland_serve_alone_when_it_runs():
     packages = [path.name for path in SRC.glob("flatland*") if path.name != "flatland_bridge"]
     paths = [path for package in packages for path in sources(package)]
-    found = forbidden_imports(
-        paths, ("flatland_bridge", "websockets", "orjson", "cbor2", "rclpy")
-    )
+    found = forbidden_imports(paths, ("flatland_bridge", "websockets", "orjson", "cbor2", "rclpy"))
 
     assert {line.partition(":")[0] for line in found} == {
         "flatland2d/src/flatland2d/cli/serve.py",

@@ -19,7 +19,9 @@ class BatchRandomness:
     """
 
     def __init__(self, roles: Sequence[PluginRole], count: int) -> None:
-        self._owners: List[Tuple[str, str, Union[_core.Crowd, _core.Drive, _core.Tricycle, _core.Ackermann]]] = []
+        self._owners: List[
+            Tuple[str, str, Union[_core.Crowd, _core.Drive, _core.Tricycle, _core.Ackermann]]
+        ] = []
         for owner, name, _, role in roles:
             if role.crowd is not None:
                 self._owners.append((owner, name, role.crowd))

@@ -103,8 +103,8 @@ class ServerMap:
         used = channels[:, :, :3] if self.is_scaled else channels
         number = used.shape[2]
         grey = np.arange(255 * number + 1) / number
-        cells = self._cells_of((grey if self.negate else 255.0 - grey) / 255.0)
-        cells = cells[used.sum(axis=2, dtype=np.uint16)]
+        of_grey = self._cells_of((grey if self.negate else 255.0 - grey) / 255.0)
+        cells: Int8Array = of_grey[used.sum(axis=2, dtype=np.uint16)]
         if has_alpha and self.is_scaled:
             cells[channels[:, :, 3] < 255] = _UNKNOWN
         return cells
