@@ -15,6 +15,7 @@ def driver(server):
     """A client that gets all odometry, and the time of each step."""
     each = Client(server)
     each.subscribed(ODOMETRY, id="a").subscribed("/clock")
+    each.next_of("/clock")  # the time of the pause in which it has come
     yield each
     each.socket.close()
 

@@ -133,7 +133,7 @@ def test_a_wrong_map_leaves_the_environment_as_it_was():
     env = make(world="empty_room", maps=fails_later)
     env.reset(seed=0, options={"map": 0})
     before = env.navigation.rows.poses.copy()
-    with pytest.raises(UsageError, match="maps: the walls of map 1: expected segments"):
+    with pytest.raises(UsageError, match="maps: the walls of map 1: segments must be"):
         env.reset(options={"map": 1})
     assert np.array_equal(env.navigation.rows.poses, before)
     env.step(np.zeros(2))

@@ -22,7 +22,9 @@ def make_teams(count, **arguments):
 
 @pytest.fixture(params=[BatchFleet, SimulationFleet])
 def fleet(request, monkeypatch):
-    monkeypatch.setattr("flatland_gym.navigation.make_fleet", request.param)
+    monkeypatch.setattr(
+        "flatland_gym.navigation.make_fleet", lambda *arguments: request.param(*arguments[:4])
+    )
 
 
 @pytest.fixture(params=[make_vector, make_teams])

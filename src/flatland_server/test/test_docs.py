@@ -77,6 +77,7 @@ def test_a_plugin_publishes_and_subscribes_what_its_section_says(name):
     transport = Listener()
     files = testing.WorldFiles()
     files.walls("walls", *samples.WALLS)
+    files.write("people.csv", "0,1,1,1\n25,1,2,1\n")
     of_world = samples.is_of_the_world(name)
     plugins = [{"type": name, "name": name.lower(), **samples.PLUGINS[name][-1]}]
     files.write("robot.model.yaml", {**samples.TRICYCLE, "plugins": [] if of_world else plugins})

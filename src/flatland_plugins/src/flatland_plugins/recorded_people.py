@@ -77,7 +77,7 @@ def _walks(path: Path, frame_rate: float, origin: Pose) -> List[Walk]:
     text = read_input(path, _LARGEST_FILE).decode("utf-8-sig", "replace")
     for number, line in enumerate(text.splitlines(), start=1):
         words = line.replace(",", " ").split()
-        if not words or words[0].startswith("#") or (number == 1 and words == _COLUMNS):
+        if not words or words[0].startswith("#") or (not people and words == _COLUMNS):
             continue
         try:
             frame, person, *point = _row(line, words)

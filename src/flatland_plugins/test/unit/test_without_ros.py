@@ -24,6 +24,17 @@ OTHERS = """
   - {type: DummyModelPlugin, name: dummy, dummy_param_string: dummy_test,
      dummy_param_int: 123456, dummy_param_float: 123.456}
 """
+CAR = """
+bodies:
+  - {name: base, footprints: [{type: circle, radius: 0.2, density: 10}]}
+  - {name: arm, footprints: [{type: circle, radius: 0.1, density: 1, layers: []}]}
+joints:
+  - {type: revolute, name: hinge, bodies: [{name: base, anchor: [0, 0]}, {name: arm, anchor: [0, 0]}]}
+plugins:
+  - {type: AckermannDrive, name: drive, body: base, wheelbase: 0.3, max_steer_angle: 0.5}
+  - {type: JointMotor, name: motor, joint: hinge, max_torque: 1}
+  - {type: JointStatePublisher, name: joints}
+"""
 WORLD = """
 properties: {}
 layers: []
@@ -49,7 +60,10 @@ def run_drives(folder: Path) -> List[str]:
     lift = forklift.forklift(files).drive(1.0, 0.5).run(1.0)
     files.write("robot.yaml", f"bodies: [{{name: base, footprints: []}}]\nplugins:{OTHERS}")
     omni = files.load(WORLD).drive(1.0, 0.5, left=0.5, topic="/slide").run(1.0)
-    messages = (lift.last("/odometry/filtered"), lift.last("/twist"), omni.last("/slid"))
+    files.write("robot.yaml", CAR)
+    car = files.load(WORLD).drive(1.0, 0.5).run(1.0)
+    messages = [lift.last("/odometry/filtered"), lift.last("/twist"), omni.last("/slid")]
+    messages += [car.last("/odometry/filtered"), car.last("/joint_states")]
     return [busy_town.content_of(message).hex() for message in messages if message is not None]
 
 
@@ -57,7 +71,7 @@ def test_every_plugin_takes_part():
     names = [element.get("name", "") for element in DECLARED]
 
     town = (busy_town.ROBOT, busy_town.DOOR, busy_town.WALKER, busy_town.WORLD)
-    files = (*town, forklift.MODEL, OTHERS, WORLD)
+    files = (*town, forklift.MODEL, OTHERS, CAR, WORLD)
     assert len(names) > 12
     assert [name for name in names if f"type: {name}" not in "".join(files)] == []
 
@@ -67,5 +81,5 @@ def test_messages_are_those_made_with_ros(tmp_path):
     output = run_without_ros(PROGRAM, tmp_path / "without")
 
     results = output.rpartition("results: ")[2].split()
-    assert len(results) == 3
+    assert len(results) == 5
     assert results == run_all(tmp_path / "with")

@@ -139,7 +139,7 @@ def test_wrong_arguments_are_refused():
         floor(0)[0].draw(np.random.default_rng())
     with pytest.raises(AttributeError):
         floor(3)[0].draw(5)
-    with pytest.raises(ValueError, match=r"segments of shape \(n, 4\)"):
+    with pytest.raises(ValueError, match=r"segments must be an array of shape \(n, 4\)"):
         _core.lower_to_walls(np.zeros((2, 2)), np.zeros((3, 2)), 1.0, CORNER, SIDE)
     for outside in ((-1, 0), (0, 3), (2, 0)):
         with pytest.raises(ValueError, match="and one of them"):

@@ -100,7 +100,7 @@ void BindWorld(py::module_& m) {
 
 std::vector<Segment> ToSegments(const Doubles& rows) {
   if (rows.ndim() != 2 || rows.shape(1) != 4) {
-    throw std::invalid_argument("expected segments of shape (n, 4): x1, y1, x2, y2");
+    throw std::invalid_argument("segments must be an array of shape (n, 4): x1, y1, x2, y2");
   }
   static_assert(sizeof(Segment) == 4 * sizeof(double));
   std::vector<Segment> segments(rows.shape(0));

@@ -28,7 +28,6 @@ b2FrictionJoint* World::AddBelt(Body body, const std::optional<ActuatorSettings>
 World::Drive World::AddDrive(Body body, const DynamicsLimits& linear, const DynamicsLimits& angular,
                              const std::optional<ActuatorSettings>& actuator) {
   Find(body);
-  RequireIdle();
   Require(!bodies_.Get(body).is_layer, kNotALayer);
   BodyDrive drive(linear, angular, actuator);
   if (b2FrictionJoint* belt = AddBelt(body, actuator)) drive.actuator()->AddGrip(belt);
@@ -37,8 +36,8 @@ World::Drive World::AddDrive(Body body, const DynamicsLimits& linear, const Dyna
 }
 
 World::Tricycle World::AddTricycle(Body body, Joint front_wheel, const TricycleSettings& settings) {
-  b2RevoluteJoint* const joint = FindWheel(body, front_wheel);
   RequireIdle();
+  b2RevoluteJoint* const joint = FindWheel(body, front_wheel);
   TricycleDrive drive(settings, joint);
   if (b2FrictionJoint* belt = AddBelt(body, settings.actuator)) drive.actuator()->AddGrip(belt);
   const AccessGuard guard(*this);
@@ -47,6 +46,7 @@ World::Tricycle World::AddTricycle(Body body, Joint front_wheel, const TricycleS
 
 World::Ackermann World::AddAckermann(Body body, const std::vector<Joint>& wheels,
                                      const AckermannSettings& settings) {
+  RequireIdle();
   std::array<b2RevoluteJoint*, 2> joints{};
   Require(wheels.size() <= joints.size(), "a car has two steered wheels at most");
   for (size_t i = 0; i < wheels.size(); ++i) joints[i] = FindWheel(body, wheels[i]);

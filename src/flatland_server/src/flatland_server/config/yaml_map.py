@@ -17,7 +17,7 @@ from flatland_server.exceptions import YamlError, shortened, suggestion
 
 logger = logging.getLogger(__name__)
 
-_KEYS_OF_FORKS = {"flipped": "upside_down", "ignore_bodies": "layers"}
+_KEYS_OF_FORKS = {"flipped": "upside_down"}
 """Keys of other Flatlands' plugins, and those that do the same here: docs/coming_from_cpp.md."""
 
 REQUIRED: Any = object()
