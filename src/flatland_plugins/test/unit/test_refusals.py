@@ -77,5 +77,7 @@ def test_a_value_out_of_bounds_is_refused_at_its_line(files, plugin, keys, messa
 def test_a_key_of_a_fork_is_refused_with_the_key_that_is_meant(files):
     entry = {**yaml.safe_load(f"{{{ENTRIES['Laser']}}}"), "flipped": True}
 
-    expected = 'robot.model.yaml:5: plugins[0] "it": unknown key "flipped" (here it is "upside_down")'
+    expected = (
+        'robot.model.yaml:5: plugins[0] "it": unknown key "flipped" (here it is "upside_down")'
+    )
     assert files.robot_refusal(entry) == expected

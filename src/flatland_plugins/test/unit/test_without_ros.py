@@ -29,7 +29,8 @@ bodies:
   - {name: base, footprints: [{type: circle, radius: 0.2, density: 10}]}
   - {name: arm, footprints: [{type: circle, radius: 0.1, density: 1, layers: []}]}
 joints:
-  - {type: revolute, name: hinge, bodies: [{name: base, anchor: [0, 0]}, {name: arm, anchor: [0, 0]}]}
+  - {type: revolute, name: hinge,
+     bodies: [{name: base, anchor: [0, 0]}, {name: arm, anchor: [0, 0]}]}
 plugins:
   - {type: AckermannDrive, name: drive, body: base, wheelbase: 0.3, max_steer_angle: 0.5}
   - {type: JointMotor, name: motor, joint: hinge, max_torque: 1}

@@ -27,7 +27,8 @@ def test_an_unknown_argument_is_named_with_the_nearest_and_all_known_ones(starte
         'server.launch has no argument "udpate_rate" (did you mean "update_rate"?); it has: '
         "world_path, update_rate, step_size, control_period, train_mode, show_viz, viz_pub_rate, "
         "use_rviz, history, command_age, models, state_folder, seed, simplify_map, no_return, "
-        "static_tf, tf_by_namespace, wall_clock_stamps, realtime_priority, map_to_odom, map, odom_topic, initial_pose"
+        "static_tf, tf_by_namespace, wall_clock_stamps, realtime_priority, map_to_odom, "
+        "map, odom_topic, initial_pose"
     )
 
 
