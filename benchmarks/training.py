@@ -2,6 +2,7 @@
 
     usage: training.py [--environments 1024] [--steps 1000000] [--runs 3]
     usage: training.py --robots 8 --world discs --beams 64     # steps of the robots of teams
+    usage: training.py --world empty_room --beams 64 --maps 300     # a map for each episode
 
 Needs Flatland and its extra gym; outside of a workspace, flatland_benchmark is found by
 PYTHONPATH=src/flatland_benchmark/src. Each run is a process. CPU seconds are less affected by other
@@ -14,13 +15,13 @@ import subprocess
 import sys
 import time
 from statistics import median
-from typing import Dict, List
+from typing import Any, Dict, List
 
 import gymnasium
 import numpy as np
 
-import flatland_gym  # noqa: F401 (registers the environments)
 from flatland_benchmark.tables import head, row
+from flatland_gym import Rooms  # registers the environments, too
 from flatland_gym.multi_robot_vector_env import MultiRobotVectorEnv
 
 _HELD = 10
@@ -30,7 +31,13 @@ _HELD = 10
 def measure(options: argparse.Namespace) -> Dict[str, float]:
     """The seconds that creation and steps take, and the processor time of both."""
     begin, begin_cpu = time.perf_counter(), time.process_time()
-    arguments = {"num_envs": options.environments, "world": options.world, "beams": options.beams}
+    arguments: Dict[str, Any] = {
+        "num_envs": options.environments,
+        "world": options.world,
+        "beams": options.beams,
+    }
+    if options.maps:
+        arguments.update(maps=Rooms(), num_maps=options.maps)
     if options.robots == 1:
         env = gymnasium.make_vec("flatland/Navigation-v0", **arguments)
     else:
@@ -65,6 +72,7 @@ def main() -> None:
     parser.add_argument("--robots", type=int, default=1, help="in each environment")
     parser.add_argument("--world", default="office")
     parser.add_argument("--beams", type=int, default=360)
+    parser.add_argument("--maps", type=int, help="of Rooms, which episodes draw from")
     parser.add_argument("--steps", type=int, default=1_000_000)
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--one", action="store_true", help="run once, in this process")
