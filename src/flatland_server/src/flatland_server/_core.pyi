@@ -155,6 +155,12 @@ class World(metaclass=_Metaclass):
             (REP 117). Intensities, shape (n,): 255 for hits on reflectance layers, else 0. Shapes
             that contain the pose are not seen.
         """
+    @property
+    def settings(self) -> FloatArray:
+        """The numbers that steps leave as they are, in an order of the core's: a new array.
+
+        Of drives, lidars, and bodies with their footprints; see settings.hpp.
+        """
     def save_state(self) -> bytes:
         """The dynamic state: poses, velocities, masses, contacts, joints, drives and tweens.
 
@@ -228,6 +234,7 @@ class WorldBatch(metaclass=_Metaclass):
         models: models that `reset` can move: the bodies of each, and the pose of the first body in
             the model's frame.
         steps: that the world has made.
+        varied: the indices of those of `World.settings` that `set_settings` sets.
     """
 
     def __init__(
@@ -241,6 +248,7 @@ class WorldBatch(metaclass=_Metaclass):
         threads: int,
         models: Sequence[tuple[Sequence[Body], _Triple]],
         steps: int = 0,
+        varied: Sequence[int] = ...,
     ) -> None: ...
     @property
     def beams(self) -> int:
@@ -282,6 +290,14 @@ class WorldBatch(metaclass=_Metaclass):
 
         Raises:
             ValueError: an array does not fit, or a number is not finite. Nothing has changed.
+        """
+    def set_settings(self, values: FloatArray, mask: BoolArray | None) -> None:
+        """Gives environments of a mask (n,) other values of `varied`: shape (n, varied).
+
+        Masses follow their densities with the next reset.
+
+        Raises:
+            ValueError: an array does not fit, or a body cannot have its mass.
         """
     def move_robots(self, poses: FloatArray, mask: BoolArray | None) -> None:
         """Moves the robots of a mask (n * m,), and stops them. Writes no rows.
@@ -1499,6 +1515,9 @@ class RangeNoise(metaclass=_Metaclass):
     @property
     def key(self) -> int:
         """The key, from 0 to 2^64 - 1."""
+    @property
+    def settings(self) -> list[float]:
+        """The standard deviation, the greatest and the least range [m]."""
     def __call__(self, ranges: Float32Array, nanoseconds: int) -> Float32Array:
         """Adds the noise at a time to ranges; returns a new array.
 
@@ -1514,6 +1533,7 @@ class RangeNoise(metaclass=_Metaclass):
         keys: npt.NDArray[np.uint64],
         nanoseconds: IntArray,
         mask: BoolArray | None,
+        settings: FloatArray | None = None,
     ) -> None:
         """Adds noise to the ranges of several scans, in place. Releases the GIL.
 
@@ -1524,6 +1544,7 @@ class RangeNoise(metaclass=_Metaclass):
             keys: a key for each scan, shape (n,).
             nanoseconds: the time of each scan [ns], shape (n,).
             mask: of the scans that get noise, shape (n,); None is all.
+            settings: as `settings`, of each scan, shape (n, 3); None: those of the noise.
         """
 
 class BeamFan(metaclass=_Metaclass):

@@ -6,7 +6,7 @@ import numpy as np
 
 from flatland2d.robot import Robot
 from flatland_server import _core
-from flatland_server.arrays import BoolArray, Float32Array, IntArray
+from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray
 from flatland_server.plugins.batch_role import AddNoise
 from flatland_server.plugins.plugin_factory import plugin_rng
 
@@ -17,9 +17,11 @@ class BatchNoise:
     Args:
         robot: its model and lidar.
         count: number of environments, n.
+        settings: see `RangeNoise.settings`, where they differ between environments: (n, 3).
     """
 
-    def __init__(self, robot: Robot, count: int) -> None:
+    def __init__(self, robot: Robot, count: int, settings: Optional[FloatArray] = None) -> None:
+        self._settings = settings
         self._robot = robot
         self._make_noise = robot.core_lidar.make_noise
         self._noises: List[Optional[AddNoise]] = [None] * count
@@ -47,7 +49,7 @@ class BatchNoise:
         self._make(seeds)
         first = self._noises[0]
         if isinstance(first, _core.RangeNoise):  # then all are of this type
-            first.add_to_rows(ranges, self._keys, nanoseconds, mask)
+            first.add_to_rows(ranges, self._keys, nanoseconds, mask, self._settings)
             return
         for k in range(len(ranges)) if mask is None else np.flatnonzero(mask).tolist():
             noise = self._noises[k]

@@ -58,9 +58,11 @@ class WorldBatch {
   /// Environments that begin as a world, which is copied, and has made `steps`. Throws
   /// std::invalid_argument if there is no environment or thread, if the robots do not have equally
   /// many beams and numbers in an action, and GoneError for a wrong handle. `models` are those that
-  /// Reset may put elsewhere.
+  /// Reset may put elsewhere, `varied` the indices of the settings (settings.hpp) that SetSettings
+  /// may set.
   WorldBatch(const World& world, const std::vector<BatchRobot>& robots, int count, int threads,
-             const std::vector<BatchModel>& models = {}, int64_t steps = 0);
+             const std::vector<BatchModel>& models = {}, int64_t steps = 0,
+             const std::vector<int>& varied = {});
   ~WorldBatch();
 
   int count() const { return static_cast<int>(environments_.size()); }
@@ -69,6 +71,7 @@ class WorldBatch {
   int robot_count() const { return static_cast<int>(robots_.size()); }
   /// The number of robots in all environments.
   int row_count() const { return count() * robot_count(); }
+  int varied_count() const { return static_cast<int>(varied_.size()); }
   int model_count() const { return static_cast<int>(models_.size()); }
 
   /// Throws std::invalid_argument, with the place, unless all actions that `mask` (count x robots;
@@ -106,6 +109,10 @@ class WorldBatch {
   /// world (null). Its row is not written. Throws std::invalid_argument, and changes nothing, in a
   /// world without a layer, or where environments begin near walls.
   void SetWalls(int row, std::shared_ptr<const VisibleWalls> walls);
+  /// Gives the environments that `mask` chooses (count; null: all) their values (count x varied) of
+  /// the settings that vary; masses follow with the next Reset. Throws std::invalid_argument, and
+  /// changes nothing in further environments, if a body cannot have its mass.
+  void SetSettings(const bool* mask, const double* values);
   /// The state of an environment, as World::SaveState makes it of one that is equal.
   std::string SaveState(int row);
   /// Puts each environment that `mask` chooses (null: all) into one of some saved states, that with
@@ -165,6 +172,7 @@ class WorldBatch {
   std::vector<BatchRobot> robots_;
   std::vector<BatchModel> models_;
   std::vector<World::Body> moved_;  // those of the robots and the models
+  std::vector<int> varied_;
   int beams_ = 0;
   int64_t first_step_ = 0;  // at the beginning
   std::vector<Environment> environments_;

@@ -117,6 +117,14 @@ void Reset(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
                    model_poses ? model_poses->data() : nullptr);
 }
 
+void SetSettings(PyWorldBatch& self, const Array<double>& values,
+                 const std::optional<Array<bool>>& mask) {
+  RequireShape(values, "values", self.batch.count(), std::max(self.batch.varied_count(), 1));
+  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+  const Use use(self);
+  self.batch.SetSettings(mask ? mask->data() : nullptr, values.data());
+}
+
 void MoveRobots(PyWorldBatch& self, const Array<double>& poses,
                 const std::optional<Array<bool>>& mask) {
   RequireShape(poses, "poses", self.batch.row_count(), 3);
@@ -252,14 +260,15 @@ void BindWorldBatch(py::module_& m) {
       .def(
           py::init(
               [](const PyWorld& world, const std::vector<PyRobot>& robots, int count, int threads,
-                 const std::vector<std::pair<std::vector<PyBody>, Triple>>& models, int64_t steps) {
+                 const std::vector<std::pair<std::vector<PyBody>, Triple>>& models, int64_t steps,
+                 const std::vector<int>& varied) {
                 std::vector<BatchRobot> converted;
                 for (const PyRobot& robot : robots) converted.push_back(ToRobot(robot));
                 return std::unique_ptr<PyWorldBatch>(new PyWorldBatch{
-                    {*world.world, converted, count, threads, ToModels(models), steps}});
+                    {*world.world, converted, count, threads, ToModels(models), steps, varied}});
               }),
           py::arg("world"), py::kw_only(), py::arg("robots"), py::arg("count"), py::arg("threads"),
-          py::arg("models"), py::arg("steps") = 0)
+          py::arg("models"), py::arg("steps") = 0, py::arg("varied") = std::vector<int>())
       .def_property_readonly("beams", [](const PyWorldBatch& self) { return self.batch.beams(); })
       .def("require_actions", &RequireActions, py::arg("actions").noconvert(),
            py::arg("mask").noconvert().none(true))
@@ -269,6 +278,8 @@ void BindWorldBatch(py::module_& m) {
       .def("reset", &Reset, py::arg("mask").noconvert().none(true),
            py::arg("poses").noconvert().none(true), py::arg("out"),
            py::arg("model_poses").noconvert().none(true))
+      .def("set_settings", &SetSettings, py::arg("values").noconvert(),
+           py::arg("mask").noconvert().none(true))
       .def("move_robots", &MoveRobots, py::arg("poses").noconvert(),
            py::arg("mask").noconvert().none(true))
       .def(

@@ -36,6 +36,7 @@
 namespace flatland {
 
 class Layers;
+struct Setting;
 class NearbyWalls;
 struct WorldState;
 
@@ -278,6 +279,7 @@ class World : public Access, private b2DestructionListener {
   friend class SharedWorld;
   friend class WorldBatch;
   friend struct WorldState;
+  friend std::vector<Setting> SettingsOf(World& world);
 
   /// The number of parts of a step.
   int PartsOf(double dt);
