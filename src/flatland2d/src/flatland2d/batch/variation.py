@@ -77,10 +77,13 @@ def with_values(config: WorldConfig, values: Mapping[str, float]) -> WorldConfig
                 contents[k] = reader.content()
             _set(_entry(contents[k], keys[0], name), keys[1:], float(value), name)
     for k, content in contents.items():
+        former = models[k].model
         try:
-            models[k] = replace(models[k], model=config.read_model(content))
+            changed = config.read_model(content)
         except FlatlandError as error:
             raise UsageError(f'vary, in the model "{models[k].name}": {error}') from error
+        same = {name: getattr(former, name) for name in ("path", "content", "reader")}
+        models[k] = replace(models[k], model=replace(changed, **same))  # as states know it
     return replace(config, models=tuple(models))
 
 
@@ -266,11 +269,12 @@ class Variation:
         greatest = {name: high for name, (_, high) in self._ranges.items()}
         world = self._loaded(greatest)
         base, physical = self._numbers(world), len(world.physics.settings)
+        self._count = physical
         noises = [_noise_of(each) for each in self._robots(world)]
-        owners: Dict[int, str] = {}
         for column, (name, (least, high)) in enumerate(self._ranges.items()):
-            self._loaded({**greatest, name: least}).close()  # raises if it may not be so low
+            lowest = self._loaded({**greatest, name: least})  # raises if it may not be so low
             if least == high:
+                lowest.close()
                 continue
             middle = 0.5 * (least + high)
             other = self._loaded({**greatest, name: middle})
@@ -280,20 +284,20 @@ class Variation:
                 len(places) > 0
                 and _are_all(found[places], middle)
                 and _are_all(base[places], high)
-                and self._is_equal(world, other, places[places < physical], middle)
+                and all(
+                    self._is_equal(world, each, places[places < physical], value)
+                    for each, value in ((other, middle), (lowest, least))
+                )
             )
             other.close()
+            lowest.close()
             if not follows:
                 raise UsageError(
-                    f'vary: "{name}" cannot differ between environments: only numbers of drives, '
-                    "lidars and footprints can that the core takes as they are in the file, but not "
-                    "sizes"
+                    f'vary: "{name}" cannot differ between environments from {least:g} to {high:g}; '
+                    "numbers of drives, of lidars, of dampings and of the materials of footprints "
+                    "can, if they do not change what there is"
                 )
             for place in places.tolist():
-                if place in owners:
-                    both = f'"{owners[place]}" and "{name}"'
-                    raise UsageError(f"vary: {both} set the same number: expected one of them")
-                owners[place] = name
                 if place < physical:
                     self.settings.append(place)
                     self._columns.append(column)
@@ -316,16 +320,22 @@ class Variation:
         return np.concatenate([world.physics.settings, *noises])
 
     def _is_equal(self, world: World, other: World, settings: IntArray, value: float) -> bool:
-        """True if one world becomes equal to another one by these settings."""
-        core = make_core(world, self._robots(world), 1, varied=settings.tolist())
-        reference = make_core(other, self._robots(other), 1)
-        if len(settings):
-            core.set_settings(np.full((1, len(settings)), value), None)
-        for each in (core, reference):
-            rows = len(self._robots(world))
-            arrays = np.empty((rows, each.beams), np.float32), *np.empty((3, rows, 3))
-            each.reset(None, None, (*arrays, np.empty(rows, bool), np.empty(1, np.int64)), None)
-        return core.save_state(0) == reference.save_state(0)
+        """True if a world becomes equal to another one by these settings, and moves alike."""
+        found = []
+        for each, varied in ((world, settings.tolist()), (other, [])):
+            robots = self._robots(each)
+            core = make_core(each, robots, 1, varied=varied)
+            rows = len(robots)
+            ranges, motions = np.empty((rows, core.beams), np.float32), np.empty((3, rows, 3))
+            out = (ranges, *motions, np.empty(rows, bool), np.empty(1, np.int64))
+            if varied:
+                core.set_settings(np.full((1, len(varied)), value), None)
+            core.reset(None, None, out, None)
+            state = core.save_state(0) if len(each.physics.settings) == self._count else b""
+            core.step(np.full((rows, len(robots[0].action_names)), 0.3), 20, 0.01, out)
+            found.append((state, ranges.tobytes(), motions.tobytes()))
+        (state, *motion), (other_state, *other_motion) = found
+        return motion == other_motion and (state == other_state or not other_state)
 
 
 def _noise_of(robot: Robot) -> FloatArray:
