@@ -5,7 +5,7 @@ into the arrays of a `BatchObservation`, which fleets of several worlds share.
 """
 
 from abc import ABC, abstractmethod
-from typing import List, Optional, Sequence, Tuple
+from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -130,6 +130,7 @@ class BatchFleet(Fleet):
             lidar=world.robot.lidar,
             threads=min(threads, count),
             moved=self._moved,
+            vary=settings.vary,
             step_size=settings.step_size,
             params=settings.params,
         )
@@ -157,7 +158,15 @@ class BatchFleet(Fleet):
         if self._maps is not None:
             numbers = zip(indices.tolist(), episodes)
             walls = {k: self._maps[episode.map or 0].walls for k, episode in numbers}
-        self._batch.reset(mask, seeds, poses, out=self._out, model_poses=places, walls=walls)
+        vary: Dict[str, FloatArray] = {}
+        if self._settings.vary:
+            vary = {name: np.empty(count) for name in self._settings.vary}
+            for k, episode in zip(indices.tolist(), episodes):
+                for name, value in episode.vary.items():
+                    vary[name][k] = value
+        self._batch.reset(
+            mask, seeds, poses, out=self._out, model_poses=places, walls=walls, vary=vary
+        )
 
     def added_walls(self, index: int) -> Segments:
         return self._batch.added_walls(index)

@@ -74,6 +74,8 @@ class SingleNavigation(Navigation):
         }
         if self._maps is not None:
             info["map"] = self._map_of.item(0)
+        if self.settings.vary:
+            info["vary"] = self._vary[0].copy()
         if self._privileged is not None:
             info["privileged"] = self.privileged()[0]
         truncated = not terminated and steps >= self._longest_episode

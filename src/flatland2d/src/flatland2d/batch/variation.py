@@ -17,14 +17,17 @@ from flatland2d.robot import Robot
 from flatland_server import _core
 from flatland_server.arguments import shown
 from flatland_server.arrays import BoolArray, FloatArray, IntArray
+from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import FlatlandError, StateError, UsageError, listed, suggestion
+from flatland_server.models.model import ModelConfig
 from flatland_server.plugins.plugin_factory import plugin_rng
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import WorldConfig
 
 Ranges = Mapping[str, Tuple[float, float]]
 """The least and the greatest value of each number, by its name: MODEL/PLUGIN/KEY or MODEL/BODY/KEY,
-with more keys for sections. Patterns such as `box_*` stand for several models, with one value."""
+with more keys for sections. A pattern such as `box_*` stands for all models that match and have the
+plugin or body: they have one value."""
 
 _LISTS = ("plugins", "bodies", "joints")
 
@@ -62,9 +65,10 @@ def with_values(config: WorldConfig, values: Mapping[str, float]) -> WorldConfig
     Raises:
         UsageError: a name leads nowhere, or a model cannot have the number.
     """
-    models, contents = list(config.models), {}  # type: ignore[var-annotated]
+    models = list(config.models)
+    contents: Dict[int, Dict[str, Any]] = {}
     for name, value in values.items():
-        pattern, *keys = name.split("/")
+        pattern, entry, *keys = name.split("/")
         chosen = [k for k, each in enumerate(models) if fnmatchcase(each.name, pattern)]
         known = [each.name for each in models]
         if not chosen:
@@ -75,27 +79,30 @@ def with_values(config: WorldConfig, values: Mapping[str, float]) -> WorldConfig
                 reader = models[k].model.reader
                 assert reader is not None  # the models of a world are read
                 contents[k] = reader.content()
-            _set(_entry(contents[k], keys[0], name), keys[1:], float(value), name)
+        entries = [_entries(contents[k]) for k in chosen]
+        if not any(entry in each for each in entries):
+            raise UsageError(
+                f'vary: "{name}" names no plugin, body or joint{suggestion(entry, entries[0])}; the '
+                f"model has: {listed(list(entries[0]))}"
+            )
+        for each in entries:
+            if entry in each:
+                _set(each[entry], keys, float(value), name)
     for k, content in contents.items():
         former = models[k].model
+        reader = YamlReader.from_content(content, f"vary, {models[k].name}")
         try:
-            changed = config.read_model(content)
+            changed = ModelConfig.read(reader, config.registry)
         except FlatlandError as error:
-            raise UsageError(f'vary, in the model "{models[k].name}": {error}') from error
+            raise UsageError(str(error)) from error
         same = {name: getattr(former, name) for name in ("path", "content", "reader")}
         models[k] = replace(models[k], model=replace(changed, **same))  # as states know it
     return replace(config, models=tuple(models))
 
 
-def _entry(content: Mapping[str, Any], key: str, name: str) -> Any:
-    """The plugin, body or joint of a model that a name begins with."""
-    entries = {each["name"]: each for part in _LISTS for each in content.get(part) or ()}
-    if key not in entries:
-        raise UsageError(
-            f'vary: "{name}" names no plugin, body or joint{suggestion(key, entries)}; the model '
-            f"has: {listed(list(entries))}"
-        )
-    return entries[key]
+def _entries(content: Mapping[str, Any]) -> Dict[str, Any]:
+    """The plugins, bodies and joints of a model, by name."""
+    return {each["name"]: each for part in _LISTS for each in content.get(part) or ()}
 
 
 def _set(node: Any, keys: Sequence[str], value: float, name: str) -> None:
@@ -312,7 +319,7 @@ class Variation:
         except UsageError:
             raise
         except FlatlandError as error:
-            raise UsageError(f"vary: {error}") from error
+            raise UsageError(str(error)) from error
 
     def _numbers(self, world: World) -> FloatArray:
         """The core's settings in a world, and those of the robots' noise."""
