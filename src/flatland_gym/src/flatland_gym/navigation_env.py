@@ -65,8 +65,8 @@ class NavigationEnv(ByArguments, gymnasium.Env[Any, Any]):
         Args:
             seed: of the random numbers from now on; None goes on with those there are.
             options: `start` ([x, y] or [x, y, yaw]) and `goal` ([x, y]), which are otherwise drawn;
-                `world`, `goal_distance`, `margin`, `obstacles` and `robot_scales` in place of the
-                arguments, within what these allow.
+                `world`, `goal_distance`, `margin`, `obstacles`, `robot_scales` and `vary` in place
+                of the arguments, within what these allow.
 
         Raises:
             UsageError: an option is wrong, such as a goal in a wall. The environment is as before.
