@@ -141,9 +141,17 @@ class BatchFleet(Fleet):
         self._places = np.zeros((count, len(self._moved), 3))
         self._commands = np.zeros((len(rows.poses), len(self._batch.action_names)))
         self._drive = self._batch.stepper(settings.frame_skip, self._out)
+        self._restart = self._batch.restarter(self._out)
+        self._is_plain = count == 1 and maps is None and not settings.vary
 
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
         count = len(self._out.poses)
+        if self._is_plain:  # the checks of a batch take longer than a reset of one
+            (episode,) = episodes
+            moved = [value for name in self._moved for value in episode.places[name]]
+            models = np.array([moved]) if moved else None
+            self._restart(np.array([episode.seed]), np.array(episode.starts), models)
+            return
         seeds = np.array([episode.seed for episode in episodes])
         poses = np.array([episode.starts for episode in episodes])
         mask = places = None
@@ -167,6 +175,9 @@ class BatchFleet(Fleet):
         self._batch.reset(
             mask, seeds, poses, out=self._out, model_poses=places, walls=walls, vary=vary
         )
+
+    def is_blocked(self, index: int, episode: Episode) -> bool:
+        return self._batch.worlds_differ and super().is_blocked(index, episode)
 
     def added_walls(self, index: int) -> Segments:
         return self._batch.added_walls(index)

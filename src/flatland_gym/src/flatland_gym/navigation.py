@@ -156,7 +156,7 @@ class Navigation:
         for number, index in enumerate(indices.tolist()):
             tries = 1
             while self._fleet(episodes[number].world).is_blocked(index, episodes[number]):
-                _require_tries(tries)
+                require_tries(tries)
                 tries += 1
                 episode = episodes[number] = self._sampler.draw(generators[number], own[number])
                 self._fleet(episode.world).reset(np.array([index]), [episode])
@@ -496,7 +496,7 @@ def row_of(infos: Mapping[str, Any], index: int) -> Dict[str, Any]:
     }
 
 
-def _require_tries(count: int) -> None:
+def require_tries(count: int) -> None:
     """Raises a UsageError after too many tries to begin an episode."""
     if count >= _TRIES:
         raise UsageError(

@@ -8,7 +8,6 @@ from gymnasium import spaces
 
 from flatland2d import UsageError
 from flatland2d.rendering.film import side_by_side
-from flatland_gym.navigation import row_of
 from flatland_gym.pickling import ByArguments
 from flatland_gym.pictures import RENDER_MODES, check_render_mode, page_of
 from flatland_gym.settings import NavigationSettings, require_seed
@@ -74,14 +73,14 @@ class NavigationEnv(ByArguments, gymnasium.Env[Any, Any]):
         former = self._np_random, self._np_random_seed
         super().reset(seed=require_seed(seed))
         try:
-            self.navigation.reset(_ONE, [self.np_random], options)
+            result = self.navigation.begin(self.np_random, options)
         except BaseException:
             self._np_random, self._np_random_seed = former
             raise
         self._is_running = True
         if self.render_mode == "human":
             self.render()
-        return self._observation(), self._info()
+        return result
 
     def step(self, action: Any) -> Tuple[Any, float, bool, bool, Dict[str, Any]]:
         """Drives for `frame_skip` steps.
@@ -122,9 +121,3 @@ class NavigationEnv(ByArguments, gymnasium.Env[Any, Any]):
         self.navigation.close()
         if self._page is not None:
             self._page.close()
-
-    def _observation(self) -> Any:
-        return self.navigation.formed(self.navigation.observe()[0])
-
-    def _info(self) -> Dict[str, Any]:
-        return row_of(self.navigation.info(), 0)

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from typing import AbstractSet, Any, Dict, List, Mapping, Sequence, Set, Tuple, Union
 
@@ -116,6 +116,9 @@ class NavigationWorld:
         names = _multiplied(content, inside, robots)
         greatest = {name: high for name, (_, high) in settings.vary.items()}
         config = with_values(WorldConfig.from_content(content), greatest)
+        parked = added.union(names if robots > 1 else ())  # of whose places nothing warns
+        models = (replace(m, reader=None) if m.name in parked else m for m in config.models)
+        config = replace(config, models=tuple(models))
         with Simulation(config, params=settings.params) as simulation:
             patterns = settings.scatter
             if patterns is None:

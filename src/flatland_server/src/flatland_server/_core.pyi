@@ -1372,6 +1372,20 @@ class LinesOfSight(metaclass=_Metaclass):
             lines: x1, y1, x2, y2 [m], shape (n, 4); a line that is not finite is not blocked.
         """
 
+def blocked_lines(
+    walls: Sequence[LinesOfSight], which: IntArray, lines: FloatArray
+) -> BoolArray:
+    """As `LinesOfSight.blocked`, each line by walls of its own. Releases the GIL.
+
+    Args:
+        walls: of all lines.
+        which: the index of each line's walls, shape (n,); -1 for none.
+        lines: as for `LinesOfSight.blocked`.
+
+    Raises:
+        ValueError: there are no walls of an index, or an array has a wrong shape.
+    """
+
 def normal_rows(keys: npt.NDArray[np.uint64], count: int) -> FloatArray:
     """Normally distributed random numbers: a new array of shape (n, count).
 

@@ -212,6 +212,11 @@ class SimulationBatch:
         return self._threads
 
     @property
+    def worlds_differ(self) -> bool:
+        """True if environments have worlds of their own, as with a RandomWall."""
+        return self._plugins.worlds_differ
+
+    @property
     def step_size(self) -> float:
         """Length of a step [s]."""
         return self._step_nanoseconds * 1e-9
@@ -328,6 +333,37 @@ class SimulationBatch:
                 self._add_noise(out, None, None)
 
         return step
+
+    def restarter(
+        self, out: BatchObservation
+    ) -> Callable[[IntArray, FloatArray, Optional[FloatArray]], None]:
+        """A function that does what `reset` does with all environments, without its checks.
+
+        Args:
+            out: as for `stepper`.
+
+        Returns:
+            A function of seeds (n,), the poses of all robots (n * m, 3), and those of the models of
+            `moved` (n, 3 * models), or None.
+
+        Raises:
+            UsageError: `out` does not fit, or the batch is closed.
+        """
+        core, plugins = self._require_open(), self._plugins
+        arrays = self._arrays(self._rows(out))
+        has_noise = any(self._noises)
+
+        def restart(seeds: IntArray, poses: FloatArray, model_poses: Optional[FloatArray]) -> None:
+            plugins.load(core, None, seeds, self._steps)
+            core.reset(None, poses, arrays, model_poses)
+            self._seeds[:] = seeds
+            plugins.begin(core, None, self._seeds)
+            if has_noise:
+                for noise in self._noises:
+                    noise.restart(range(self._num_envs))
+                self._add_noise(out, None, None)
+
+        return restart
 
     def reset(
         self,
