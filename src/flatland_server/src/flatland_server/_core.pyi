@@ -283,13 +283,21 @@ class WorldBatch(metaclass=_Metaclass):
         poses: FloatArray | None,
         out: tuple[Any, ...],
         model_poses: FloatArray | None,
-    ) -> None:
+    ) -> int:
         """Resets the environments of a mask (n,), moves their robots, and writes their rows.
 
-        `model_poses` has shape (n, 3 * models); the models are moved after the robots.
+        `model_poses` has shape (n, 3 * models); the models are moved after the robots. Returns the
+        first environment in which a scattered crowd has found no room, or -1.
 
         Raises:
             ValueError: an array does not fit, or a number is not finite. Nothing has changed.
+        """
+    def scatter(
+        self, crowd: Crowd, keys: npt.NDArray[np.uint64], mask: BoolArray | None
+    ) -> None:
+        """Lets a crowd draw its places at each reset, by a key for each environment (n,).
+
+        The batch is of a world before `Crowd.scatter`.
         """
     def set_settings(self, values: FloatArray, mask: BoolArray | None) -> None:
         """Gives environments of a mask (n,) other values of `varied`: shape (n, varied).

@@ -21,6 +21,7 @@ from flatland2d.batch.free_spaces import FreeSpaces
 from flatland2d.batch.noise import BatchNoise
 from flatland2d.batch.observation import BatchObservation
 from flatland2d.batch.plugins import BatchPlugins
+from flatland2d.batch.randomness import as_before_scatter, find_scattered
 from flatland2d.batch.robot import (
     make_core,
     require_alike,
@@ -161,7 +162,9 @@ class SimulationBatch:
             self._world = self._load(self._variation.config)
         if origin is not None:  # its changed footprints are those of all environments
             saved_states.restore(origin, self._world)
-        roles = roles_of(self._world)
+        roles, scattered = roles_of(self._world), None
+        if origin is None:
+            roles, scattered = find_scattered(self._world, roles)
         self._robots = robots_of(self._world)
         require_alike(self._robots)
         self._robot = self._robots[0]
@@ -175,22 +178,32 @@ class SimulationBatch:
                     f'expected other models as moved, found the robot "{each.model.name}"'
                 )
         self._action_names = self._robot.action_names
-        self._core: Optional[_core.WorldBatch] = make_core(
-            self._world,
-            self._robots,
-            self._num_envs,
-            threads=self._threads,
-            moved=self._moved,
-            steps=first_step,
-            varied=self._variation.settings,
-        )
-        self._beams = self._core.beams
+        with as_before_scatter(self._world, scattered):
+            core = self._core = make_core(
+                self._world,
+                self._robots,
+                self._num_envs,
+                threads=self._threads,
+                moved=self._moved,
+                steps=first_step,
+                varied=self._variation.settings,
+            )
+        self._beams = core.beams
         self._steps = np.full(self._num_envs, first_step, np.int64)
         self._parts: Optional[WorldState] = None
         self._plugins = BatchPlugins(
-            self._world.config, roles, self._num_envs, self._step_nanoseconds, self._open, origin
+            self._world.config,
+            roles,
+            self._num_envs,
+            self._step_nanoseconds,
+            self._open,
+            origin,
+            scattered,
         )
-        self._plugins.begin(self._core, None, self._seeds)
+        if scattered is not None:
+            arrays = self._arrays(self._rows(None))
+            self._plugins.reset(core, None, self._seeds, None, arrays, None)
+        self._plugins.begin(core, None, self._seeds)
         varies = self._world.config.with_seed or any(each.role.varies_by_seed for each in roles)
         self._only_seed = origin.seed if origin is not None and varies else None
         self._noises = [
@@ -355,7 +368,7 @@ class SimulationBatch:
 
         def restart(seeds: IntArray, poses: FloatArray, model_poses: Optional[FloatArray]) -> None:
             plugins.load(core, None, seeds, self._steps)
-            core.reset(None, poses, arrays, model_poses)
+            plugins.reset(core, None, seeds, poses, arrays, model_poses)
             self._seeds[:] = seeds
             plugins.begin(core, None, self._seeds)
             if has_noise:
@@ -419,7 +432,7 @@ class SimulationBatch:
         if walls:
             self._plugins.set_walls(core, walls_of(walls, self._num_envs, chosen))
         self._plugins.load(core, chosen, seeds_now, self._steps)
-        core.reset(chosen, placed, self._arrays(observation), others)
+        self._plugins.reset(core, chosen, seeds_now, placed, self._arrays(observation), others)
         self._change_seeds(new_seeds, chosen)
         self._plugins.begin(core, chosen, self._seeds)
         self._finish(observation, *self._masks(chosen), is_new=out is None)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <map>
@@ -159,7 +160,15 @@ void WorldBatch::Advance(const bool* mask, const double* actions, int substeps, 
   });
 }
 
-void WorldBatch::Reset(const bool* mask, const double* poses, const BatchRows& rows,
+void WorldBatch::Scatter(World::CrowdHandle crowd, const bool* mask, const uint64_t* keys) {
+  scattered_ = crowd;
+  crowd_keys_.resize(count());
+  for (int row = 0; row < count(); ++row) {
+    if (mask == nullptr || mask[row]) crowd_keys_[row] = keys[row];
+  }
+}
+
+int WorldBatch::Reset(const bool* mask, const double* poses, const BatchRows& rows,
                        const double* model_poses) {
   const int64_t numbers = 3 * int64_t{model_count()};  // of a row of model_poses
   const int robots = robot_count();
@@ -172,8 +181,17 @@ void WorldBatch::Reset(const bool* mask, const double* poses, const BatchRows& r
       RequirePose(model_poses + numbers * row + i);
     }
   }
+  std::atomic<int> crowded = count();
   ForEach(mask, 1, [&](World& world, Environment& environment, int row) {
     environment.world->Begin(world, *environment.state);
+    if (scattered_) {
+      world.Get(*scattered_).Seed(crowd_keys_[row]);
+      if (!world.ScatterCrowd(*scattered_)) {
+        int least = crowded;
+        while (row < least && !crowded.compare_exchange_weak(least, row)) {
+        }
+      }
+    }
     const int64_t first = int64_t{row} * robots;
     for (int i = 0; poses != nullptr && i < robots; ++i) {
       Move(world, robots_[i].bodies, robots_[i].base, poses + 3 * (first + i));
@@ -185,6 +203,7 @@ void WorldBatch::Reset(const bool* mask, const double* poses, const BatchRows& r
     std::fill_n(collided_.begin() + first, robots, false);
     Write(world, row, nullptr, rows);
   });
+  return crowded < count() ? crowded.load() : -1;
 }
 
 void WorldBatch::MoveRobots(const bool* mask, const double* poses) {

@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -92,11 +93,16 @@ class WorldBatch {
                const bool* mask = nullptr) {
     Advance(mask, actions, substeps, dt, nullptr, goes_on);
   }
+  /// From now on, a Reset begins the random numbers of a crowd by the key of the environment, and
+  /// lets its people draw their places (Crowd::Scatter). `keys` (count) are of the environments
+  /// that `mask` (null: all) chooses; others keep theirs, which are 0 at first.
+  void Scatter(World::CrowdHandle crowd, const bool* mask, const uint64_t* keys);
   /// Puts the environments that `mask` (count; null: all) chooses back to the beginning, moves
   /// their robots to `poses` (count x robots x 3: x, y [m], yaw [rad]; null: they stay) and then
   /// the models to `model_poses` (count x models x 3; null: they stay), and writes their rows.
   /// Throws std::invalid_argument, and changes nothing, for a pose that Box2D cannot compute with.
-  void Reset(const bool* mask, const double* poses, const BatchRows& rows,
+  /// Returns the first environment in which people have found no places, or -1.
+  int Reset(const bool* mask, const double* poses, const BatchRows& rows,
              const double* model_poses = nullptr);
   /// Moves the robots that `mask` (count x robots; null: all) chooses to `poses` (count x robots x
   /// 3), and stops them; their commands hold. Throws as Reset does. No row is written.
@@ -173,6 +179,8 @@ class WorldBatch {
   std::vector<BatchModel> models_;
   std::vector<World::Body> moved_;  // those of the robots and the models
   std::vector<int> varied_;
+  std::optional<World::CrowdHandle> scattered_;
+  std::vector<uint64_t> crowd_keys_;  // of each environment
   int beams_ = 0;
   int64_t first_step_ = 0;  // at the beginning
   std::vector<Environment> environments_;

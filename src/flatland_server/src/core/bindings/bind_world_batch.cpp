@@ -102,7 +102,7 @@ void Step(PyWorldBatch& self, const Array<double>& actions, int substeps, double
   }
 }
 
-void Reset(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
+int Reset(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
            const std::optional<Array<double>>& poses, const py::tuple& out,
            const std::optional<Array<double>>& model_poses) {
   if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
@@ -113,8 +113,8 @@ void Reset(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
   const BatchRows rows = ToRows(self.batch, out);
   const Use use(self);
   const py::gil_scoped_release release;
-  self.batch.Reset(mask ? mask->data() : nullptr, poses ? poses->data() : nullptr, rows,
-                   model_poses ? model_poses->data() : nullptr);
+  return self.batch.Reset(mask ? mask->data() : nullptr, poses ? poses->data() : nullptr, rows,
+                          model_poses ? model_poses->data() : nullptr);
 }
 
 void SetSettings(PyWorldBatch& self, const Array<double>& values,
@@ -174,6 +174,14 @@ void Seed(PyWorldBatch& self, const Owner& owner, const Array<uint64_t>& keys,
   const Use use(self);
   const py::gil_scoped_release release;
   self.batch.Seed(mask ? mask->data() : nullptr, owner.handle, keys.data());
+}
+
+void Scatter(PyWorldBatch& self, const PyCrowd& crowd, const Array<uint64_t>& keys,
+             const std::optional<Array<bool>>& mask) {
+  RequireShape(keys, "keys", self.batch.count(), 0);
+  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+  const Use use(self);
+  self.batch.Scatter(crowd.handle, mask ? mask->data() : nullptr, keys.data());
 }
 
 /// Poses and velocities: two arrays of shape (count, bodies, 3), with zeros where the mask does not
@@ -307,6 +315,8 @@ void BindWorldBatch(py::module_& m) {
             self.batch.SetWalls(row, walls ? walls->walls : nullptr);
           },
           py::arg("row"), py::arg("walls"))
+      .def("scatter", &Scatter, py::arg("crowd"), py::arg("keys").noconvert(),
+           py::arg("mask").noconvert().none(true))
       .def("seed", &Seed<PyCrowd>, py::arg("owner"), py::arg("keys").noconvert(),
            py::arg("mask").noconvert().none(true))
       .def("seed", &Seed<PyDrive>, py::arg("owner"), py::arg("keys").noconvert(),

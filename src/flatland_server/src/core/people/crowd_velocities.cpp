@@ -70,12 +70,13 @@ Vec2 Crowd::WayOf(size_t index, const Layers& layers) {
   return (1.0 / std::max(LengthOf(left), slow_down)) * left;
 }
 
-void Crowd::Scatter(Bodies& bodies, const Layers& layers) {
+bool Crowd::Scatter(Bodies& bodies, const Layers& layers) {
   // The walk has numbers of its own: a batch begins them again after loading a world.
   const NormalNumbers of_walk = clock_.numbers;
   const double seed = clock_.numbers.DrawUniform();
   clock_.numbers = NormalNumbers(NormalNumbers::Mixed(static_cast<uint64_t>(seed * 0x1p53)));
   FindOthers(bodies);
+  bool found_all = true;
   std::vector<std::pair<Vec2, double>> taken;  // points and radii of people
   for (size_t i = 0; i < people_.size(); ++i) {
     if (people_[i].recording) Replay(i, bodies);
@@ -99,6 +100,7 @@ void Crowd::Scatter(Bodies& bodies, const Layers& layers) {
       });
     };
     const std::optional<Vec2> point = DrawPoint(i, layers, is_free);
+    if (!point) found_all = false;
     if (!point) continue;
     taken.push_back({*point, person.radius});
     JumpTo(person, *point, bodies);
@@ -106,6 +108,7 @@ void Crowd::Scatter(Bodies& bodies, const Layers& layers) {
     progress_[i].drawn_goal = *point;
   }
   clock_.numbers = of_walk;
+  return found_all;
 }
 
 // ---- Attention ----

@@ -232,7 +232,7 @@ class World : public Access, private b2DestructionListener {
   /// From then on, the bodies of its people move like others.
   void RemoveCrowd(CrowdHandle crowd);
   /// See Crowd::Scatter.
-  void ScatterCrowd(CrowdHandle crowd);
+  bool ScatterCrowd(CrowdHandle crowd);
   /// See Crowd::Rooms.
   std::vector<Crowd::Room> GetRooms(CrowdHandle crowd);
   Crowd& Get(CrowdHandle handle) {
