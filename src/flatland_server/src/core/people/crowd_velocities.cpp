@@ -16,6 +16,7 @@ constexpr double kEncounter = 5.0;  // from a robot, at which an encounter begin
 constexpr int kTries = 100;         // to draw a free point
 constexpr double kWallRoom = 0.1;   // of drawn points, beside a person's radius [m]
 constexpr double kOthersRoom = 0.5;
+constexpr double kTolerance = 1e-5;  // of the room of a person: positions are in single precision [m]
 
 // The forces within groups, see GroupForce [m/s^2]; their vision is that of both eyes.
 constexpr double kGaze = 4.0, kAttraction = 3.0, kGroupRepulsion = 1.0;
@@ -108,7 +109,13 @@ bool Crowd::Scatter(Bodies& bodies, const Layers& layers) {
     progress_[i].drawn_goal = *point;
   }
   clock_.numbers = of_walk;
-  return found_all;
+  if (found_all) return true;
+  const std::vector<Room> rooms = Rooms(bodies, layers);
+  for (size_t i = 0; i < people_.size(); ++i) {
+    const double least = std::min({rooms[i].wall, rooms[i].body, rooms[i].person});
+    if (people_[i].area && least < people_[i].radius - kTolerance) return false;
+  }
+  return true;
 }
 
 // ---- Attention ----
