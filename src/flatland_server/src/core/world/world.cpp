@@ -49,20 +49,23 @@ void World::Step(double dt, const AccessGuard&) {
 }
 
 int World::PartsOf(double dt) {
-  const double way = double{b2_maxTranslation} / dt, turn = double{b2_maxRotation} / dt;
+  const auto is_fast = [dt](double squared_speed, double omega) {
+    const double turn = omega * dt;
+    return squared_speed * dt * dt > b2_maxTranslationSquared || turn > b2_maxRotation;
+  };
   double most = 1.0;  // times that of one step
   const auto consider = [&](double speed, double omega) {
-    most = std::max({most, speed / way, omega / turn});
+    most = std::max({most, speed * dt / b2_maxTranslation, omega * dt / b2_maxRotation});
   };
   for (const BodyRecord* record : bodies_.Moving()) {
     const b2Vec2 velocity = record->body->GetLinearVelocity();
     const double squared = b2Dot(velocity, velocity);
     const double omega = std::abs(record->body->GetAngularVelocity());
-    if (squared > way * way || omega > turn) consider(std::sqrt(squared), omega);
+    if (is_fast(squared, omega)) consider(std::sqrt(squared), omega);
   }
   mechanisms_.ForEachDrive([&](Body body, const auto& drive) {
     const auto [squared, omega] = drive.GetFastest();
-    if (4.0 * squared <= way * way && 2.0 * omega <= turn) return;
+    if (!is_fast(4.0 * squared, 2.0 * omega)) return;
     const double arm = bodies_.Get(body).body->GetLocalCenter().Length();
     consider(std::sqrt(squared) + omega * arm, omega);
   });
