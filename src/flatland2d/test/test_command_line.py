@@ -271,9 +271,7 @@ def test_ctrl_c_ends_a_run_with_what_was_done(folder, arguments, number, code):
 @pytest.mark.parametrize(
     ("output", "reason"), [(">&-", "it is closed"), ("> /dev/full", "No space left on device")]
 )
-def test_an_output_that_cannot_be_written_is_a_line_and_an_exit_code(
-    folder, arguments, output, reason
-):
+def test_an_unwritable_output_is_one_line_and_exit_code_1(folder, arguments, output, reason):
     if (arguments, output) == ("--version", ">&-"):
         pytest.skip("argparse prints it on standard error then")
     shell = f"{shlex.quote(sys.executable)} -m flatland2d {arguments} {output}"

@@ -140,7 +140,7 @@ def test_a_copy_is_saved_of_a_world_that_is_not_the_users(world, tab, tmp_path, 
     assert yaml.safe_load((tmp_path / "copy.yaml").read_text())["models"][0]["pose"] == [1, 0, 0]
 
 
-def test_the_past_is_shown_with_its_scans_and_the_run_goes_on_from_there(world, tab):
+def test_the_page_seeks_shows_old_scans_and_resumes_from_there(world, tab):
     with running(world, with_history=True) as server:
         tab.open(server)
         tab.press("ArrowUp")
@@ -173,7 +173,7 @@ def test_the_past_is_shown_with_its_scans_and_the_run_goes_on_from_there(world, 
         assert server.manager.timekeeper.seconds < end
 
 
-def test_the_trail_shows_where_the_odometry_believes_to_have_been(world, tab):
+def test_the_trail_shows_the_poses_of_the_odometry(world, tab):
     with running(world) as server:
         tab.open(server)
         tab.press("t")

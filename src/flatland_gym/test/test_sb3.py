@@ -174,7 +174,7 @@ def test_ppo_learns_from_mirror_images():
     env.close()
 
 
-def test_a_lidar_that_looks_more_to_one_side_has_no_mirror_images():
+def test_a_lidar_off_the_axis_cannot_be_mirrored():
     content = world_content("package://flatland_gym/worlds/empty_room.yaml")
     content["models"][0]["model"]["plugins"][1]["origin"] = [0, 0.1, 0]
     env = NavigationVecEnv(2, world=content)

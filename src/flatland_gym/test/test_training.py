@@ -41,7 +41,7 @@ def test_a_policy_learns_to_reach_its_goals(policy):
 
 
 @pytest.mark.slow
-def test_an_episode_of_an_evaluation_does_not_depend_on_the_others(policy):
+def test_episodes_of_an_evaluation_are_independent(policy):
     all_of_them = evaluate(policy, range(20), **SETTINGS)
     some = evaluate(policy, [3, 11, 4], threads=2, **SETTINGS)
 

@@ -58,7 +58,7 @@ class Diagnostics(RecordingCase):
         status = paused[f"{SERVER[1:]}: simulation"]
         self.assertEqual(status.level, DiagnosticStatus.OK)
 
-    def test_a_plugin_that_raises_is_an_error_until_its_model_is_deleted(self):
+    def test_diagnostics_show_a_failed_plugin_until_it_is_deleted(self):
         before = ServerTopics.ask()
         answer = spawn(MODELS / "fails_later.model.yaml", "robot", "ns")
         self.assertTrue(answer.success, answer.message)

@@ -190,7 +190,7 @@ def test_rospack_lists_its_plugins(workspace, flatland, shell, space):
 
 
 @pytest.mark.parametrize("space", ["devel", "install"])
-def test_a_copy_hides_the_original_by_another_name_and_by_the_same(workspace, shell, space):
+def test_a_copied_package_overlays_the_installed_original(workspace, shell, space):
     found = shell.run(f"source '{workspace}/{space}/setup.bash'", f"python3 -c '{WHERE_FOUND}'")
 
     (renamed, renamed_file), (same, same_file) = (line.split() for line in found.splitlines())

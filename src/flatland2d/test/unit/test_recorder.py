@@ -291,7 +291,7 @@ def test_a_file_is_whole_once_the_recorder_is_closed(tmp_path):
         recorder.write_step()
 
 
-def test_a_file_stays_in_its_folder_when_the_process_moves_elsewhere(tmp_path, monkeypatch):
+def test_a_recording_survives_a_change_of_the_working_directory(tmp_path, monkeypatch):
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path)
     with Recorder(LocalTransport(), Timekeeper(0.005), "run.bag"):

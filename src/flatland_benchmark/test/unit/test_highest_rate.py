@@ -25,7 +25,7 @@ def test_a_rate_that_the_simulation_does_not_reach_is_too_high():
     )
 
 
-def test_without_losses_it_is_the_rate_of_a_simulation_as_fast_as_it_goes():
+def test_without_losses_the_rate_is_that_of_the_simulation():
     assert highest_rate(lambda rate: min(rate, 500.0)) == 500.0
 
 

@@ -130,7 +130,7 @@ def test_its_tyres_slip():
 
 
 @pytest.mark.parametrize("step", [0.005, 0.1])
-def test_no_command_and_no_car_makes_numbers_that_are_none(step):
+def test_random_commands_keep_pose_and_velocity_finite(step):
     """Oversteering beyond the critical speed, in jumps, backwards and at a crawl."""
     rng = np.random.default_rng(1)
     numbers = (1.0, 0.001, 0.3, 0.5, 1.5, 30.0, 0.1)
@@ -142,7 +142,7 @@ def test_no_command_and_no_car_makes_numbers_that_are_none(step):
             assert np.isfinite([*body.pose, *body.velocity, drive.slip_angle]).all()
 
 
-def test_a_jerk_limit_changes_the_acceleration_at_a_constant_rate():
+def test_a_jerk_limit_ramps_the_acceleration():
     world, body, drive = car(linear_limits=(2.0, 4.0, 0.0), jerk_limit=5.0)
     drive.command(3.0, 0.0)
     speeds = [0.0]
@@ -256,7 +256,7 @@ def test_a_twist_commands_the_yaw_rate_or_the_angle(files, keys, speed, turn, an
 
 
 @pytest.mark.parametrize("wrong", [{"speed": math.nan}, {"acceleration": -1.0}])
-def test_a_message_that_cannot_be_obeyed_is_ignored_with_a_warning(files, caplog, wrong):
+def test_an_impossible_message_is_ignored_with_a_warning(files, caplog, wrong):
     robot = racecar(files, namespace="r1")
     robot.transport.send("/r1/ackermann_cmd", drive_message(1.0, 0.1))
     robot.run(0.1)

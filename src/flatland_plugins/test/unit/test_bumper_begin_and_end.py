@@ -37,7 +37,7 @@ def test_a_contact_that_another_plugin_switches_off_is_none(files):
     assert robot.model().pose.x == pytest.approx(2.0, abs=1e-3)
 
 
-def test_a_contact_that_is_switched_off_later_is_none_from_then_on(files):
+def test_a_contact_that_is_disabled_later_ends_the_collision(files):
     ghost = "type: Ghost, name: ghost, since: 1.5"
     robot = throw(files.robot(BUMPER, ghost, layers=wall(files)), 1.0)
 
@@ -116,7 +116,7 @@ def test_a_model_that_is_deleted_collides_no_longer(files, seconds):
     assert now(robot) == []
 
 
-def test_a_model_is_told_of_that_takes_the_place_of_a_deleted_one(files):
+def test_a_model_in_place_of_a_deleted_one_is_reported(files):
     post = files.model("post", footprint=BOX, body="type: static,")
     robot = files.robot(BUMPER, others={"post": f"model: {post}, pose: [1, 0, 0]"})
     throw(robot, 1.0).run(1.0)

@@ -43,7 +43,7 @@ def test_who_does_not_yield_still_sees_what_stands(town, files, keys, motion):
     assert nearest(town, files, person, keys=crowd) < TOUCH + 0.01
 
 
-def test_who_does_not_yield_still_passes_people_and_stays_behind_walls(town):
+def test_unyielding_people_still_avoid_people_and_walls(town):
     keys = "force: {noise: 0}, sees_robots: false"
     people = town(*TOWARDS_EACH_OTHER, keys=keys, walls=("4.5 -9 4.5 9",))
 
@@ -68,7 +68,7 @@ def test_an_entry_may_see_robots_in_a_crowd_that_does_not(town, files):
     assert nearest(town, files, "sees_robots: true, yields: 1") > TOUCH + 0.1
 
 
-def test_who_reacts_late_passes_closer(town, files):
+def test_a_longer_reaction_time_means_passing_closer(town, files):
     # The robot is seen at 5 m, 3 s away: within a second nothing is lost.
     distances = [nearest(town, files, f"reaction_time: {t}") for t in (0.0, 2.6, 30.0)]
 
@@ -193,7 +193,7 @@ def test_with_orca_forty_cross_a_circle_without_touching(town):
 
 
 @pytest.mark.parametrize("noise", ["", "force: {noise: 0}, "])
-def test_with_orca_noise_ends_the_wait_of_people_evenly_on_a_circle(town, noise):
+def test_with_orca_noise_resolves_the_deadlock_on_a_circle(town, noise):
     places = [
         (4.0 * math.cos(k * math.tau / 8), 4.0 * math.sin(k * math.tau / 8)) for k in range(8)
     ]

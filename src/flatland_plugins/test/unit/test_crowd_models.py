@@ -47,7 +47,7 @@ def test_a_model_that_takes_a_name_over_is_not_one_of_them(town, files):
     assert people.last("/people/poses").poses == []
 
 
-def test_a_model_that_has_taken_a_name_over_stays_when_the_crowd_goes(town, files):
+def test_a_foreign_model_with_a_crowd_name_survives_the_crowd(town, files):
     people = town("pose: [0, 0, 0]").run()
 
     people.world.delete_model("people_0")

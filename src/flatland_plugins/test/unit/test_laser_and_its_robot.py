@@ -37,7 +37,7 @@ def ranges(robot: Any) -> Any:
     return list(robot.run().last("/scan").ranges)
 
 
-def test_it_sees_its_own_robot_by_default(files):
+def test_a_laser_sees_its_own_robot_by_default(files):
     assert ranges(robot(files)) == pytest.approx([0.4, 0.4], abs=1e-5)
 
 
@@ -83,7 +83,7 @@ def test_noise_leaves_no_range_below_the_least():
         RangeNoise(7, 0.5, 2.0, 2.1)
 
 
-def test_batches_and_pictures_know_both(files):
+def test_range_min_and_ignore_bodies_act_in_batches_and_pictures(files):
     robot(files, "range_min: 0.45, ignore_bodies: [arm], noise_std_dev: 0.1").world.close()
     world = files.folder / "world.yaml"
     with Simulation(world, seed=3) as simulation, SimulationBatch(

@@ -93,7 +93,7 @@ def test_states_branches_and_batches_have_what_a_program_has_set(world_of, name)
         assert rigging(simulation.models["robot"].model) == of_file
 
 
-def test_environments_of_a_batch_have_different_masses_and_joints(world_of):
+def test_environments_of_a_batch_may_differ_in_mass_and_joints(world_of):
     world = world_of()
     with SimulationBatch(world, 6, threads=2) as batch:
         simulations = [Simulation(world, seed=k) for k in range(6)]
@@ -131,7 +131,7 @@ def test_a_batch_has_what_a_plugin_sets_when_it_starts(world_of, name):
         assert_goes_on(batch, simulation)
 
 
-def test_each_moment_has_those_that_it_had(world_of):
+def test_seek_restores_masses_and_joints_of_that_time(world_of):
     world = world_of(noise="0.02", others="\n  - {type: Winder, name: winder}")
     with Simulation(world, seed=3, loader=Loader()) as simulation:
         simulation.keep_history(interval=0.3)

@@ -82,7 +82,7 @@ def test_without_broadcast_there_is_no_transform():
     assert simulation.transforms == {}
 
 
-def test_a_deleted_robot_takes_its_mounts_along_and_a_reset_brings_them_back():
+def test_mounts_vanish_with_their_robot_and_return_by_reset():
     simulation = Simulation(robots("a", "b", static_tf=True))
     simulation.delete("a")
     assert static_frames(simulation) == ["b_gps", "b_imu", "b_lidar"]
@@ -92,7 +92,7 @@ def test_a_deleted_robot_takes_its_mounts_along_and_a_reset_brings_them_back():
     assert len(static_frames(simulation)) == 6
 
 
-def test_transforms_of_other_publishers_stay_and_the_last_one_counts():
+def test_static_transforms_of_all_publishers_are_merged():
     transport = LocalTransport()
     first, second = (
         transport.advertise("/tf_static", TFMessage, latch=True, queue_size=1) for _ in range(2)

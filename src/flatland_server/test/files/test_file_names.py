@@ -28,7 +28,7 @@ def package(good_files, monkeypatch):
     return folder
 
 
-def test_maps_images_data_models_and_includes_may_be_in_a_package(good_files, package):
+def test_all_files_of_a_world_may_be_in_a_package(good_files, package):
     good_files.edit("world.yaml", "map: map.yaml", "map: package://robots/map.yaml")
     good_files.edit("world.yaml", "map: lines.yaml", "map: package://robots/lines.yaml")
     good_files.edit("world.yaml", "model: robot", "model: package://robots/robot")

@@ -293,7 +293,7 @@ def test_what_an_expression_returns_is_not_resolved_again(evaluate, result):
         "python = 1; io = 2; os = 3; _G = 4",
     ],
 )
-def test_what_an_expression_overwrites_is_restored_for_the_next_one(evaluate, poison):
+def test_globals_overwritten_by_an_expression_are_restored(evaluate, poison):
     assert evaluate(f"{poison} return 1") == "1"
 
     assert_next_one_works(evaluate)

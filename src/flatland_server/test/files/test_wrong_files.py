@@ -205,7 +205,7 @@ def test_problems_of_all_plugins_are_reported_together(good_files):
     ]
 
 
-def test_an_error_has_the_file_line_and_column_of_the_wrong_value(good_files):
+def test_an_error_has_file_line_and_column_of_the_value(good_files):
     good_files.edit("robot.model.yaml", "radius: 0.5", "radius: none")
 
     with pytest.raises(YamlError) as caught:

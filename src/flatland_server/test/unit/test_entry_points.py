@@ -66,7 +66,7 @@ def module_of(type: str) -> str:
 
 
 @pytest.mark.parametrize("type", ["Pusher", "loader_mine::Pusher", "my_namespace::Pusher"])
-def test_a_plugin_is_found_with_the_namespace_that_its_entry_point_names(packages, type):
+def test_a_plugin_is_found_by_its_entry_points_namespace(packages, type):
     packages.add("loader_mine", "my_namespace::Pusher = loader_mine.push:Pusher")
 
     assert module_of(type) == "loader_mine.push"

@@ -42,7 +42,7 @@ def test_a_subscription_makes_publishers_look_again(transport):
     assert before != between != transport.subscriber_revision
 
 
-def test_the_last_latched_message_is_delivered_to_a_later_subscriber(transport):
+def test_a_later_subscriber_gets_the_last_latched_message(transport):
     received = []
     advertise(transport, "map", latch=True).publish("walls")
     advertise(transport, "scan").publish("ranges")

@@ -158,7 +158,7 @@ def test_packages_import_one_way(package, forbidden):
     assert forbidden_imports(sources(package), forbidden) == []
 
 
-def test_the_bridge_is_imported_by_flatland_serve_alone_when_it_runs():
+def test_only_a_running_flatland_serve_imports_the_bridge():
     packages = [path.name for path in SRC.glob("flatland*") if path.name != "flatland_bridge"]
     paths = [path for package in packages for path in sources(package)]
     found = forbidden_imports(paths, ("flatland_bridge", "websockets", "orjson", "cbor2", "rclpy"))

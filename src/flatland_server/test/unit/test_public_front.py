@@ -57,7 +57,7 @@ def test_nothing_public_is_imported_besides_all(front):
     assert imported == set(front.__all__)
 
 
-def test_packages_and_citation_have_the_version_that_the_library_tells():
+def test_packages_and_citation_have_the_librarys_version():
     packages = find_packages(str(SRC)).values()
 
     assert len(packages) > 5

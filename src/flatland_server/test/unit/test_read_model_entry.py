@@ -67,7 +67,7 @@ def test_plugin_classes_are_imported_by_reading(files, tmp_path, monkeypatch):
     del sys.modules["imported_late"]
 
 
-def test_an_unknown_plugin_is_reported_with_its_line_when_it_is_added(files):
+def test_adding_a_model_reports_an_unknown_plugin_with_its_line(files):
     world = files.load(EMPTY_WORLD)
     path = files.write("model.yaml", MODEL + "plugins:\n- {type: Lazer, name: laser}")
 

@@ -91,7 +91,7 @@ def test_warnings_go_with_the_model_that_they_name(server):
     assert server.texts() == ["aa is another"]
 
 
-def test_warnings_of_files_go_when_the_files_are_read_again_without_them(server):
+def test_reloading_the_files_removes_their_old_warnings(server):
     server.logger.warning("of the former files")
     server.manager.reset()
     assert "of the former files" in server.texts()

@@ -78,7 +78,7 @@ def test_what_is_used_least_vanishes_first(window, application):
     assert visible(bar)[2] == "2D Nav Goal"
 
 
-def test_the_buttons_stay_where_they_are_when_pause_becomes_resume(window, application):
+def test_buttons_do_not_move_when_pause_becomes_resume(window, application):
     bar = window.addToolBar("tools")
     for tool in TOOLS:
         bar.addAction(tool.getName()).setIcon(icon("resume"))

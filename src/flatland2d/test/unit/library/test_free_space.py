@@ -74,7 +74,7 @@ def test_a_gap_counts_if_the_disc_fits_through():
     assert not grid.free_space(0.55).contains_point(3.0, 0.0)
 
 
-def test_without_walls_it_is_a_square_around_the_start_or_an_error():
+def test_without_walls_free_space_is_a_square_or_an_error():
     grid = DistanceGrid(np.empty((0, 4)), (100.0, 50.0), 0.5, open_reach=10.0)
     points = grid.free_space(0.3).poses(500, np.random.default_rng(1))[:, :2]
     assert np.abs(points - (100, 50)).max() == pytest.approx(10, abs=0.2)

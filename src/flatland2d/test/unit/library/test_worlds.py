@@ -82,7 +82,7 @@ def test_expressions_and_parameters_in_a_dict(world):
         assert sim.models["robot"].pose == (0.5, 0.25, 0.0)
 
 
-def test_what_happens_to_a_dict_later_does_not_matter(world):
+def test_later_changes_of_a_dict_do_not_matter(world):
     robot = {"bodies": [dict(BODY)], "plugins": list(ROBOT["plugins"])}
     sim = Simulation(world, loader=LOADER)
     sim.spawn(robot, "late", [-1, 0, 0])

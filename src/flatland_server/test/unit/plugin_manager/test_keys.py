@@ -45,7 +45,7 @@ def test_of_a_key_given_twice_the_last_one_counts_with_a_warning(caplog, loader)
     assert 'the key "volume" is given twice; the last one counts' in warning
 
 
-def test_so_it_is_for_the_keys_of_all_plugins(caplog, loader):
+def test_a_key_given_twice_is_warned_of_for_any_plugin(caplog, loader):
     robot("type: Horn, name: horn, name: horn", loader=loader)
 
     assert 'the key "name" is given twice' in caplog.text

@@ -149,7 +149,7 @@ def test_models_and_walls_are_those_of_the_state(models, load):
     assert second.save_state() == state
 
 
-def test_a_state_is_data(load):
+def test_a_saved_state_is_json(load):
     state = load().run(0.1).save_state()
 
     content = json.loads(state)
@@ -180,7 +180,7 @@ def damaged(state, change):
         (lambda c: c["wall_counts"].update(map=3), 'the layer "map" has 3 walls there, no here'),
     ],
 )
-def test_a_state_that_does_not_fit_is_refused_and_the_world_goes_on(load, change, message):
+def test_a_state_that_does_not_fit_is_refused_without_effect(load, change, message):
     simulation = load().run(0.1)
     state = simulation.save_state()
     before = simulation.world.models["a"]
