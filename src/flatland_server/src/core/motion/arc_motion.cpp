@@ -89,7 +89,7 @@ void ArcMotion::Begin(b2Body& body, const Twist& mean, double dt, Grip* grip) {
     grip->Begin(body, mass);
     body.SetLinearVelocity(body.GetLinearVelocity() - shown_);
     body.SetAngularVelocity(body.GetAngularVelocity() - shown_omega_);
-    // The mass may have changed since the joint was put where its centre was.
+    // The centre of mass may have moved since the joint was attached to it.
     const b2Vec2 arm = grip->joint()->GetAnchorB() - body.GetWorldCenter();
     grip->belt()->SetLinearVelocity(commanded_velocity_ + b2Cross(commanded_omega_, arm));
     grip->belt()->SetAngularVelocity(commanded_omega_);

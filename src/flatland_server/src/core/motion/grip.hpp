@@ -17,12 +17,12 @@ struct ForceLimits {
   explicit operator bool() const { return max_force > 0.0 || max_torque > 0.0 || friction > 0.0; }
 };
 
-/// Moves a body by a belt under it: a body without fixtures, at the velocity that the wheels want,
-/// and a friction joint, which pulls the driven body to that velocity with a limited force.
+/// Moves a body by a belt under it. The belt is a body without fixtures that moves at the velocity
+/// of the wheels. A friction joint pulls the driven body to that velocity with a limited force.
 ///
 /// The limits are the lower ones of the motors and of friction, mu m g, with the mass m of the body
-/// and what is rigidly on it. A force at the radius of gyration, sqrt(I / m), is the torque that is
-/// possible; and the other way round, if the torque alone is limited.
+/// and what is rigidly on it. If only the force is limited, the limit of the torque is that force
+/// at the radius of gyration, sqrt(I / m); and vice versa.
 class Grip {
  public:
   Grip() = default;
@@ -30,7 +30,7 @@ class Grip {
 
   explicit operator bool() const { return joint_ != nullptr; }
   b2Body* belt() const { return joint_->GetBodyA(); }
-  /// Called for each joint that another one has taken the place of, or null: it is destroyed.
+  /// Must be called when `other` replaces a joint, or when a joint is destroyed (`other` is null).
   void Replace(const b2Joint* joint, b2Joint* other) {
     if (joint == joint_) joint_ = static_cast<b2FrictionJoint*>(other);
   }
@@ -38,7 +38,7 @@ class Grip {
 
   /// Before a step: sets the limits for a body of this mass on its wheels [kg].
   void Begin(const b2Body& body, double mass_on_wheels);
-  /// True if wheels spin or slide when the force, or the torque, is not enough; otherwise the
+  /// True if the wheels spin or slide when the force, or the torque, is not enough. Otherwise the
   /// motors stall, and the wheels roll with the body.
   bool slips() const { return slips_; }
   bool spins() const { return spins_; }

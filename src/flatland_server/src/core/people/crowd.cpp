@@ -14,13 +14,13 @@ namespace {
 constexpr double kReach = 8.0;           // of walls, in ranges of the repulsion: it is down to e^-8
 constexpr double kTurnRate = M_PI;       // at most [rad/s]
 constexpr double kLeastSpeed = 0.1;      // people that are slower keep their heading [m/s]
-constexpr double kPatience = 1.0;        // an agent walks on for so long after its last state [s]
+constexpr double kPatience = 1.0;        // an agent walks on for this time after its last state [s]
 constexpr double kLongestWay = 1.0;      // a person jumps to an agent that is farther away [m]
 constexpr double kLongestPeriod = 1e18;  // 32 years [ns]
 constexpr int64_t kLastTime = int64_t{1} << 62;  // [ns]
-constexpr int64_t kGlance = 1'000'000'000;  // after which a recorded way shows its direction [ns]
-constexpr double kAwayGap = 4.0;            // between people who are away [m]
-constexpr double kSides[] = {1.0, -1.0};    // of the legs: 1 is the left
+constexpr int64_t kGlance = 1'000'000'000;       // look-ahead for the first heading of a walk [ns]
+constexpr double kAwayGap = 4.0;                 // between people who are away [m]
+constexpr double kSides[] = {1.0, -1.0};         // of the legs: 1 is the left
 
 Vec2 PointOf(const Pose& pose) { return {pose.x, pose.y}; }
 
@@ -156,7 +156,7 @@ void Crowd::Update(Bodies& bodies, const Layers& layers, double dt) {
   new_velocities_.clear();
   const double scatter = settings_.force.ScatterAfter(dt), left = settings_.force.LeftAfter(dt);
   for (size_t i = 0; i < people_.size(); ++i) {
-    const double x = clock_.numbers.Draw(), y = clock_.numbers.Draw();  // whether needed or not
+    const double x = clock_.numbers.Draw(), y = clock_.numbers.Draw();  // drawn even if not needed
     if (people_[i].recording) {
       new_velocities_.push_back(ReplayedVelocity(i, bodies, dt));
       continue;
@@ -213,7 +213,7 @@ void Crowd::Replay(size_t index, Bodies& bodies) {
   const int walk = person.recording->WalkAt(now);
   int32_t& shown = progress_[index].walk;
   b2Body& body = BodyOf(bodies, person.body);
-  if (walk < 0) {  // each away at a place of its own
+  if (walk < 0) {  // a place for each, far away
     const Vec2 away{kAway, kAway + kAwayGap * person.body.index};
     if (shown >= 0 || FromBox2D(body.GetPosition()).x < kAway) JumpTo(person, away, bodies);
   } else {

@@ -71,7 +71,8 @@ Vec2 Crowd::WayOf(size_t index, const Layers& layers) {
 }
 
 void Crowd::Scatter(Bodies& bodies, const Layers& layers) {
-  // The walk has numbers of its own: a batch begins them again after loading a world.
+  // Scattering must not use up random numbers of the walk: a batch seeds those anew when a world is
+  // loaded.
   const NormalNumbers of_walk = clock_.numbers;
   const double seed = clock_.numbers.DrawUniform();
   clock_.numbers = NormalNumbers(NormalNumbers::Mixed(static_cast<uint64_t>(seed * 0x1p53)));
@@ -161,7 +162,7 @@ void Crowd::Meet(double dt) {
 // ---- Social force ----
 
 /// Two people avoid each other with opposite accelerations: gap, direction and relative velocity
-/// are the same for both, but for their signs, and with these the forces change theirs.
+/// are the same for both except for their signs, and the signs of the forces follow.
 void Crowd::SumForces(const Layers& layers) {
   const SocialForce& force = settings_.force;
   forces_.assign(people_.size(), {});
@@ -285,8 +286,8 @@ void Crowd::FindNeighbors(size_t index) {
   }
 }
 
-/// Robots are taken for discs that touch their nearest point; people leave nothing of the avoidance
-/// to them.
+/// Robots count as discs through their nearest point. People expect robots to do nothing, and make
+/// the whole change of velocity themselves.
 Vec2 Crowd::OrcaVelocity(size_t index, Vec2 way, Vec2 noise, const Layers& layers, double dt) {
   const OrcaSettings& orca = *settings_.orca;
   const PersonSettings& person = people_[index];

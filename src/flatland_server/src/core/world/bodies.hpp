@@ -20,7 +20,7 @@ class Bodies : public SlotMap<BodyRecord> {
 
   /// Changes whenever something is added, removed or moved.
   uint64_t revision() const { return revision_; }
-  /// Like that, except that movements of bodies that may move do not change it.
+  /// Like revision(), except that it ignores movements of bodies that may move.
   uint64_t structure_revision() const { return structure_revision_; }
   /// To be called when bodies that may move are moved.
   void ChangePoses() { ++revision_; }

@@ -32,13 +32,13 @@ struct Reach {
   LayerBits layers = 0;
 };
 
-/// How far a body is from where its walls were looked up, along the axis where that is more.
+/// Distance of a body from where its walls were looked up, along the axis where it is greater.
 float WayOf(const BodyRecord& record) {
   const b2Vec2 way = b2Abs(record.body->GetWorldCenter() - record.nearby.center);
   return std::max(way.x, way.y);
 }
 
-/// Bodies that sleep have the walls that they had, and others have no contacts with walls.
+/// True for awake dynamic bodies. Sleeping ones keep their walls; others do not collide with walls.
 bool MayReachWalls(const BodyRecord& record) {
   return record.body->IsAwake() && record.body->GetType() == b2_dynamicBody;
 }
@@ -137,7 +137,7 @@ void Layers::HoldWallsNear(b2World& world, BodyRecord& record, const b2AABB& cen
     nearby_[i]->ForEachBlockAt(box, [&](uint32_t number) { nearby.blocks.push_back({i, number}); });
   }
   HoldWallsOf(world, record, std::move(nearby));
-  // The body looks for the walls, so that not each of them has to.
+  // Box2D searches the new contacts from the body, instead of from each wall.
   box2d::SkipPairsOfNewFixtures(world, moves);
   box2d::FindPairsAgain(*record.body);
 }
