@@ -49,7 +49,7 @@ class Peer:
         self.node = rclpy.create_node("peer", **options)
 
     def wait_until(self, is_true, what):
-        """What a condition returns, as soon as it is true."""
+        """Waits until a condition is true, and returns its value."""
         ends = time.monotonic() + LIMIT
         while time.monotonic() < ends:
             result = is_true()

@@ -1,4 +1,4 @@
-"""Who may connect, what they may read, and what slow and hostile clients cost."""
+"""Access to the bridge and to files, and the cost of slow and hostile clients."""
 
 import hashlib
 import json

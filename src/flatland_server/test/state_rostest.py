@@ -332,7 +332,7 @@ class State(unittest.TestCase):
         self.assertTrue(rospy.get_param("/flatland_server/world_path").endswith("room/world.yaml"))
 
     def return_to(self, own):
-        """Opens the world of the other tests, whose /wheel_odom the other one does not have."""
+        """Opens the world of the other tests; only that one has the topic /wheel_odom."""
         call("/open_world", OpenWorld, own)
         seen = len(self.odometry.messages)
         wait_until(lambda: step(10) and len(self.odometry.messages) > seen, "/wheel_odom")

@@ -214,12 +214,7 @@ class Screen:
         self.xdotool("mousemove", x - 2, y, "sleep", 0.1, "mousemove", x, y, "sleep", 0.1)
 
     def open_menu(self, pixel, name):
-        """Right-clicks in the view; returns once a menu covers a part of its background.
-
-        Args:
-            pixel: of an object with a menu.
-            name: of the screenshot with the menu.
-        """
+        """Right-clicks in the view; returns once a menu covers a part of its background."""
         least = self.px(40) * self.px(60)
         background = lambda: near(self.picture(name), self.kind.background, 0).sum()  # noqa: E731
         before = background()

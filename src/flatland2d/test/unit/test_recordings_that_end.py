@@ -1,4 +1,4 @@
-"""Recordings whose process is killed, or whose disk is full, and files that are none of ours."""
+"""Recordings after a kill of their process or on a full disk, and files of other kinds."""
 
 import os
 import random

@@ -50,7 +50,7 @@ class Robot:
         """Describes a robot of a world.
 
         Args:
-            world: that has it.
+            world: world to look in.
             name: the model's name.
             lidar: the name of its lidar.
             settings: have the limits for a drive without limits of its own.

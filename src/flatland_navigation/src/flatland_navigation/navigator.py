@@ -58,7 +58,7 @@ class Navigator:
     """Drives one robot; all positions are in the frame of the grid.
 
     Args:
-        grid: where the robot's centre may be.
+        grid: free cells for the robot's centre.
         config: radius, speeds, time limits.
     """
 

@@ -79,12 +79,12 @@ class Crowd(WorldPlugin):
 
     @property
     def people(self) -> Sequence[Model]:
-        """The models of those who are there, or will come."""
+        """The models of the people that are there, or will come."""
         return [person.model for person in self._people if self._is_there(person)]
 
     @property
     def groups(self) -> Sequence[Sequence[Model]]:
-        """Those who are there of each group."""
+        """The people of each group that are there, not away."""
         groups: Dict[str, List[Model]] = {}
         for person in filter(self._is_there, self._people):
             if person.config.group is not None:
@@ -102,7 +102,7 @@ class Crowd(WorldPlugin):
         return self._publisher.has_subscribers
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Publishes the poses of those who are there."""
+        """Publishes the poses of the people that are there."""
         poses = PoseArray(header=header(timekeeper.nanoseconds, self._frame_id))
         for model in self.people:
             if model.is_away:

@@ -44,7 +44,7 @@ class MotionWriter(MessageWriter):
 
     Args:
         make: makes an Odometry or a TwistWithCovarianceStamped of a time [ns], with the constants.
-        poses: of the body, in the world, for the core.
+        poses: the pose of the body in the world.
         read: returns the present motion, for messages as objects.
         is_local: whether the twist is in the frame of the body, instead of that of the pose.
     """

@@ -71,8 +71,8 @@ class TwistDrive(OdometryPlugin, ABC):
         """Reads the actuators, and returns them as the core's drives take them.
 
         Args:
-            config: of the drive.
-            body: that it drives.
+            config: the drive's entry in the model file.
+            body: body that the drive moves.
             is_steered: whether their angular axis is a steering angle.
         """
         self._actuators = config.read_once(Actuators.read, is_steered)

@@ -118,7 +118,7 @@ def test_with_slip_it_drives_as_commonroads_single_track_model(vehicle):
 
 
 def test_its_tyres_slip():
-    """Those of the rear axle by a / (mu C g), with the acceleration a across; else they roll."""
+    """The rear tyres slip by a / (mu C g) at a lateral acceleration a; without slip, they roll."""
     for numbers in (RACECAR[0], None):
         world, body, drive = car(numbers, 0.3302)
         drive.command(3.0, 0.1)

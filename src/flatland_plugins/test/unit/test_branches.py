@@ -51,7 +51,7 @@ WORLDS = {
 
 @pytest.fixture(params=WORLDS)
 def world(request, world_of):
-    """A world of each drive, one with people, and one whose walls depend on the seed."""
+    """A world of each drive, one with people, and one with walls that depend on the seed."""
     return world_of(noise="0.02", **WORLDS[request.param])
 
 

@@ -1,4 +1,4 @@
-"""Sensors whose transform is sent once, on /tf_static."""
+"""Sensors with transforms that are sent once, on /tf_static."""
 
 import math
 

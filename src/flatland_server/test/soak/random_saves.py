@@ -34,10 +34,10 @@ def save_at_random(server: Server, folder: Path, seed: int, count: int, findings
 
     Args:
         server: has the test room open, without other models, and so it has at the end.
-        folder: is made.
+        folder: folder for the files, which is created.
         seed: the calls' seed.
         count: number of calls.
-        findings: of what is wrong.
+        findings: gets the counts and violations.
     """
     shutil.copytree(WORLD.parent, folder / "room")
     shutil.copytree(WORLDS / "office", folder / "office")

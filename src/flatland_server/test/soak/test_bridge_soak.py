@@ -1,4 +1,4 @@
-"""Bridges whose clients misbehave: a short soak."""
+"""Bridges with clients that misbehave: a short soak."""
 
 import pytest
 from soak.bridge_misdeeds import MISDEEDS

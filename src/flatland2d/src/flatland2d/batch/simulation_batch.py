@@ -597,7 +597,7 @@ class SimulationBatch:
         Args:
             count: of the poses.
             clearance: as for `free_space`.
-            rng: the random numbers.
+            rng: generator of NumPy to draw from.
 
         Returns:
             Shape (count, 3): x, y [m] and yaw [rad] of the robot's origin.

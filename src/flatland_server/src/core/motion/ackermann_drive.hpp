@@ -15,7 +15,7 @@
 
 namespace flatland {
 
-/// A car whose tyres slip sideways, in proportion to the load on them: the single-track model "ST"
+/// A car with tyres that slip sideways, in proportion to their load: the single-track model "ST"
 /// of CommonRoad (Althoff, Koschi and Manzinger, "CommonRoad: Composable Benchmarks for Motion
 /// Planning on Roads", 2017; vehicle models, section 7). All but the height are above 0.
 struct SingleTrack {

@@ -52,8 +52,8 @@ class NearbyWalls {
   LayerBits layers() const { return layers_; }
   uint32_t owner() const { return owner_; }
 
-  /// Calls `visit(block)`, in ascending order, for the blocks with a wall whose bounding box
-  /// overlaps another one [m].
+  /// Calls `visit(block)`, in ascending order, for the blocks with a wall that has a bounding
+  /// box which overlaps `box` [m].
   template <class Visit>
   void ForEachBlockAt(const Box& box, Visit visit) const {
     walls_->ForEachLeafAt(box, [&](size_t leaf) {

@@ -67,7 +67,7 @@ def compose_text(text: str, name: Path) -> ComposedFile:
 
     Args:
         text: YAML.
-        name: stands for the file in errors.
+        name: name that stands for the file in errors.
 
     Raises:
         YamlError: it is empty, not YAML, nested too deeply or too large.

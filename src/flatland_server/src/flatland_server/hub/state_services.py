@@ -27,7 +27,7 @@ class StateServices:
     the world on the simulation's thread, between two steps.
 
     Args:
-        hub: offers the services.
+        hub: hub that offers the services, and has the simulation.
         control_period: simulated time of a call of /step_world [s]; by default 0.1 s, or one step
             if that is no multiple of the steps.
         train_mode: whether time stands still between requests for steps.

@@ -27,7 +27,7 @@ class OtherPublishers:
 
     Args:
         counts: the number of publishers that plugins have of each topic.
-        master: to ask.
+        master: the ROS master to ask.
         localisers: is told of all publishers, if the server places frames of odometry.
     """
 

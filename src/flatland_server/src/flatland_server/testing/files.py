@@ -140,7 +140,7 @@ class WorldFiles:
             footprint: its body's footprint.
             namespace: of its topics and frames.
             pose: where it stands [m, m, rad].
-            walls: put on a layer "walls".
+            walls: segments [m] of a layer "walls".
             layers: further layers.
             others: further models, as for `load_models`.
             options: of `World.from_file`.
