@@ -65,14 +65,14 @@ class Crowd(WorldPlugin):
 
     def _check_room(self, config: YamlReader) -> None:
         """Raises an error if people would start too close to something."""
-        for person, room in zip(self._people, self._crowd.rooms()):
+        for person, distances in zip(self._people, self._crowd.clearances()):
             if person.config.walks:
                 continue
             radius = person.config.build.radius
-            for what, left in zip(("a wall", "a model", "another pedestrian"), room):
-                if left < radius - _TOLERANCE:
+            for what, clearance in zip(("a wall", "a model", "another pedestrian"), distances):
+                if clearance < radius - _TOLERANCE:
                     problem = f"expected room for a radius of {radius:g} m, found {what}"
-                    after = f"after {max(left, 0.0):.2g} m"
+                    after = f"after {max(clearance, 0.0):.2g} m"
                     key = "pose" if person.config.area is None else "area"
                     config.note(person.config.reader.error(f"{problem} {after}", key))
         config.raise_problems()

@@ -9,7 +9,7 @@ from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoade
 
 
 class Ghost(ModelPlugin):
-    """Lets its model pass through everything from a moment on."""
+    """Lets its model pass through everything from a time on."""
 
     def on_initialize(self, config):
         self._since = config.get_float("since", 0.0)

@@ -1,6 +1,6 @@
 """Masses of bodies, and limits and motors of joints, that a plugin or a program has set.
 
-They are in states, branches, batches and moments of the history, with the same bits; a reset makes
+They are in states, branches, batches and the history, with the same bits; a reset makes
 them what the files say.
 """
 
@@ -140,16 +140,16 @@ def test_seek_restores_masses_and_joints_of_that_time(world_of):
             robot = simulation.models["robot"]
             return [*rigging(robot.model), simulation.poses.tolist(), robot.velocity]
 
-        moments = {}
+        states = {}
         for _ in range(30):
             drive(simulation, 1, steps=13)
-            moments[simulation.time] = seen()
+            states[simulation.time] = seen()
         last = simulation.save_state()
-        for time in [*list(moments)[-2::-5], *list(moments)[1::4]]:
+        for time in [*list(states)[-2::-5], *list(states)[1::4]]:
             assert simulation.seek(time).time == time
-            assert seen() == moments[time]
-        assert simulation.seek(max(moments)).save_state() == last
+            assert seen() == states[time]
+        assert simulation.seek(max(states)).save_state() == last
         simulation.reset()
-        for time in list(moments)[:10]:
+        for time in list(states)[:10]:
             drive(simulation, 1, steps=13)
-            assert (simulation.time, seen()) == (time, moments[time])
+            assert (simulation.time, seen()) == (time, states[time])

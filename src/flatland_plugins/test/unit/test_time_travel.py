@@ -1,4 +1,4 @@
-"""`seek` goes to any moment of a run: each is what it was, bit for bit, and the run goes on."""
+"""`seek` goes to any time of a run: each is what it was, bit for bit, and the run goes on."""
 
 from dataclasses import replace
 

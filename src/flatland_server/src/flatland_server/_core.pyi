@@ -1261,7 +1261,7 @@ class Crowd(_WithoutConstructor):
         """
     def remove(self) -> None:
         """Removes the crowd. The bodies of its people stay, and move like others."""
-    def rooms(self) -> list[_Triple]:
+    def clearances(self) -> list[_Triple]:
         """The distances of each person's middle from the nearest wall, body and other person [m].
 
         Infinite if there is none, or no wall within the reach of the forces.

@@ -248,7 +248,7 @@ def _lines(
         if f"{name}_low" in rows[0] and any(row[name] is not None for row in rows):
             form = _form(name, summary)
             cells = [_cell(name, row, form) if row else _Cell("") for row in found]
-            yield _label(name), _judged(cells, found, name, compared)
+            yield _label(name), _with_p_values(cells, found, name, compared)
 
 
 def _compared(row: Mapping[str, Any], comparisons: Comparisons) -> Dict[Tuple[str, ...], Any]:
@@ -263,7 +263,7 @@ def _compared(row: Mapping[str, Any], comparisons: Comparisons) -> Dict[Tuple[st
     }
 
 
-def _judged(
+def _with_p_values(
     cells: List[_Cell],
     rows: Sequence[Optional[Mapping[str, Any]]],
     name: str,

@@ -18,7 +18,7 @@ std::byte* BytesOf(void* object) { return static_cast<std::byte*>(object); }
 
 SharedWorld::SharedWorld(std::unique_ptr<World> world, const std::vector<World::Body>& moved)
     : world_(std::move(world)) {
-  for (const World::Body& body : moved) world_->bodies_.LetMove(body);
+  for (const World::Body& body : moved) world_->bodies_.AllowMotion(body);
   beginning_ = WorldState::Of(*world_);
   WorldState::Clear(*world_);
   CollectRanges();

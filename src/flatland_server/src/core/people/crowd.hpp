@@ -74,7 +74,7 @@ class Crowd {
  public:
   /// The distances [m] of a person's middle from the nearest wall, body and other person; infinite
   /// if there is none, or no wall within reach of the forces.
-  struct Room {
+  struct Clearances {
     double wall, body, person;
   };
 
@@ -101,7 +101,7 @@ class Crowd {
   /// none is found stays. Puts those that follow a recording where it begins.
   void Scatter(Bodies& bodies, const Layers& layers);
   /// The distances around each person at present.
-  std::vector<Room> Rooms(const Bodies& bodies, const Layers& layers);
+  std::vector<Clearances> GetClearances(const Bodies& bodies, const Layers& layers);
   /// Copies the changing state of an equal crowd.
   void Take(const Crowd& other) {
     clock_ = other.clock_;
@@ -184,18 +184,18 @@ class Crowd {
   /// Looks for the other bodies again if any have been added or removed.
   void FindOthers(const Bodies& bodies);
   /// The desired direction, of length 1 at full speed. Switches to the next goal at a goal.
-  Vec2 WayOf(size_t person, const Layers& layers);
+  Vec2 DesiredDirection(size_t person, const Layers& layers);
   /// Draws a point of a person's area that is clear of walls and for which `is_free(point)` is
   /// true; none if that fails several times.
   template <class IsFree>
   std::optional<Vec2> DrawPoint(size_t person, const Layers& layers, IsFree is_free);
   /// Decides which people give way to robots.
-  void Meet(double dt);
+  void UpdateEncounters(double dt);
   /// True if something in this direction, of length 1, is in a person's field of view.
   bool Sees(size_t person, Vec2 direction) const;
   Obstacle SeenOther(size_t person, size_t other) const;
   /// True if a person avoids another body that is in view. Everybody avoids what is no robot.
-  bool Heeds(size_t person, size_t other) const;
+  bool Avoids(size_t person, size_t other) const;
   /// The forces of all that is around each person.
   void SumForces(const Layers& layers);
   Vec2 GroupForce(size_t person) const;

@@ -38,7 +38,7 @@ class Bodies : public SlotMap<BodyRecord> {
     return handle;
   }
   /// From now on the body may move in a step.
-  void LetMove(Body body) {
+  void AllowMotion(Body body) {
     if (Get(body).may_move) return;
     Get(body).may_move = true;
     ChangeStructure();

@@ -33,7 +33,7 @@ struct Reach {
 };
 
 /// Distance of a body from where its walls were looked up, along the axis where it is greater.
-float WayOf(const BodyRecord& record) {
+float DistanceMoved(const BodyRecord& record) {
   const b2Vec2 way = b2Abs(record.body->GetWorldCenter() - record.nearby.center);
   return std::max(way.x, way.y);
 }
@@ -106,7 +106,7 @@ void Layers::HoldWallsNearBodies(b2World& world, float dt) {
   for (BodyRecord* const record : bodies_.Moving()) {
     if (!MayReachWalls(*record)) continue;
     const float step = std::min(record->body->GetLinearVelocity().Length() * dt, b2_maxTranslation);
-    if (record->nearby.is_current && WayOf(*record) + step <= record->nearby.room) continue;
+    if (record->nearby.is_current && DistanceMoved(*record) + step <= record->nearby.room) continue;
     const b2Vec2 center = record->body->GetWorldCenter();
     HoldWallsNear(world, *record, {center, center}, room_ + step);
   }
@@ -117,7 +117,8 @@ bool Layers::HoldWallsOnTheWay(b2World& world) {
   bool has_come_far = false;
   for (BodyRecord* const record : bodies_.Moving()) {
     const BodyRecord::Nearby& nearby = record->nearby;
-    if (!MayReachWalls(*record) || (nearby.is_current && WayOf(*record) <= nearby.room)) continue;
+    if (!MayReachWalls(*record) || (nearby.is_current && DistanceMoved(*record) <= nearby.room))
+      continue;
     const b2Sweep& sweep = box2d::Sweep(*record->body);
     HoldWallsNear(world, *record, {b2Min(sweep.c0, sweep.c), b2Max(sweep.c0, sweep.c)}, room_);
     has_come_far = true;

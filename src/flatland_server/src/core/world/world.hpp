@@ -234,8 +234,8 @@ class World : public Access, private b2DestructionListener {
   void RemoveCrowd(CrowdHandle crowd);
   /// See Crowd::Scatter.
   void ScatterCrowd(CrowdHandle crowd);
-  /// See Crowd::Rooms.
-  std::vector<Crowd::Room> GetRooms(CrowdHandle crowd);
+  /// See Crowd::GetClearances.
+  std::vector<Crowd::Clearances> GetClearances(CrowdHandle crowd);
   Crowd& Get(CrowdHandle handle) {
     RequireAccess();
     return crowds_.Get(handle);

@@ -86,7 +86,7 @@ void World::SetPose(Body body, const Pose& pose) {
   const Twist velocity = GetVelocity(body);
   const AccessGuard guard(*this);
   Require(!bodies_.Get(body).is_layer, "a layer cannot be moved");
-  bodies_.LetMove(body);
+  bodies_.AllowMotion(body);
   bodies_.ChangePoses();
   WakeBodiesNear(found);
   Place(found, pose);

@@ -21,7 +21,7 @@ World::Joint World::AddJoint(const b2JointDef& definition) {
   Require(definition.bodyA != definition.bodyB, "a joint needs two bodies");
   const AccessGuard guard(*this);
   for (b2Body* const body : {definition.bodyA, definition.bodyB}) {
-    bodies_.LetMove(bodies_.HandleOf(*body));
+    bodies_.AllowMotion(bodies_.HandleOf(*body));
   }
   return joints_.Add(world_->CreateJoint(&definition));
 }

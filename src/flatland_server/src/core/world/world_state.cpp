@@ -164,7 +164,7 @@ void MakeContact(b2World& world, b2Fixture& a, b2Fixture& b, const ContactState&
   using Internals = box2d::ContactInternals;
   Internals::Flags(*contact) = (state.is_touching ? Internals::kTouching : 0) |
                                (state.is_enabled ? Internals::kEnabled : 0) |
-                               (state.is_to_filter ? Internals::kToFilter : 0);
+                               (state.needs_filtering ? Internals::kToFilter : 0);
   *contact->GetManifold() = state.manifold;
   contact->SetFriction(state.friction);
   contact->SetRestitution(state.restitution);
@@ -294,10 +294,10 @@ WorldState WorldState::Of(const World& world) {
                                static_cast<uint32_t>(fixture.GetUserData().pointer)};
     };
     using Internals = box2d::ContactInternals;
-    const bool is_to_filter = (Internals::Flags(*c) & Internals::kToFilter) != 0;
+    const bool needs_filtering = (Internals::Flags(*c) & Internals::kToFilter) != 0;
     state.contacts.push_back({end_of(*c->GetFixtureA()), end_of(*c->GetFixtureB()), c->IsTouching(),
-                              c->IsEnabled(), is_to_filter, c->GetFriction(), c->GetRestitution(),
-                              c->GetTangentSpeed(), *c->GetManifold()});
+                              c->IsEnabled(), needs_filtering, c->GetFriction(),
+                              c->GetRestitution(), c->GetTangentSpeed(), *c->GetManifold()});
   }
   state.mechanisms = world.mechanisms_;
   state.crowds = world.crowds_;
@@ -471,7 +471,7 @@ void WorldState::Restore(World& world) const {
     }
     const bool stays =
         record.body->GetPosition() == state.position && record.body->GetAngle() == state.sweep.a;
-    if (!stays) world.bodies_.LetMove(handle);
+    if (!stays) world.bodies_.AllowMotion(handle);
   });
   for (size_t i = 0; i < records.size(); ++i) {
     world.layers_->HoldWallsOf(box2d_world, *records[i], bodies[i].nearby);

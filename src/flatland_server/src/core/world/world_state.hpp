@@ -109,7 +109,7 @@ struct ContactState {
   End b;
   bool is_touching = false;
   bool is_enabled = true;
-  bool is_to_filter = false;  // Box2D has to check again whether they may collide
+  bool needs_filtering = false;  // Box2D has to check again whether they may collide
   float friction = 0.0f;
   float restitution = 0.0f;
   float tangent_speed = 0.0f;
@@ -117,7 +117,7 @@ struct ContactState {
 
   template <class Archive>
   void Serialize(Archive& archive) {
-    archive(a, b, is_touching, is_enabled, is_to_filter, friction, restitution, tangent_speed);
+    archive(a, b, is_touching, is_enabled, needs_filtering, friction, restitution, tangent_speed);
     archive(manifold.pointCount);
     if constexpr (Archive::kIsReader) {
       if (friction < 0.0f || restitution < 0.0f) Archive::Fail();

@@ -142,7 +142,7 @@ class StateServices:
             if self._manager.history is None:
                 raise FlatlandError("no history is kept; start the server with history:=true")
             self._manager.seek(request.time)
-            self._manager.pause()  # else the moment would be gone before it is seen
+            self._manager.pause()  # else the sought time would have passed before it is seen
 
         self._change(seek)
 

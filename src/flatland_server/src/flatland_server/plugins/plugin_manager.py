@@ -115,7 +115,7 @@ class PluginManager:
 
     @property
     def is_starting(self) -> bool:
-        """True if plugins are being initialized at the moment."""
+        """True while plugins are being initialized."""
         return self._starting > 0
 
     def all_plugins(self) -> List[Tuple[str, Plugin]]:
