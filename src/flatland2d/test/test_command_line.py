@@ -107,7 +107,7 @@ def test_files_are_checked(folder, capsys):
     assert lines[1] == "world.yaml: 0 layers, 0 segments, 1 model, 1 body, 2 plugins"
 
 
-def test_what_is_wrong_is_a_line_with_its_place(folder, capsys):
+def test_a_problem_is_one_line_with_its_place(folder, capsys):
     (folder / "world.yaml").write_text("properties: {}\nlayers: []\nmodles: []\n")
 
     assert main(["check", "world.yaml"]) == 1

@@ -358,7 +358,7 @@ def test_it_leaves_the_graph_at_once(start, peer):
         ({"cmd_vel_type": "Joy"}, "expected Twist or TwistStamped, found Joy"),
     ],
 )
-def test_what_is_wrong_is_told(start, parameters, text):
+def test_wrong_parameters_end_the_node_with_a_reason(start, parameters, text):
     process = start(**parameters)
     assert process.wait(LIMIT) == 1
     assert text in process.log.read_text()

@@ -226,7 +226,7 @@ def test_nothing_is_kept_for_a_stream_that_is_closed():
     assert budget.used == 0
 
 
-def test_of_all_clients_the_one_with_the_most_has_to_go():
+def test_the_client_that_takes_most_memory_is_disconnected():
     reasons = {}
     budgets = Budgets(1000)
     clients = [budgets.open(lambda text, n=n: reasons.setdefault(n, text)) for n in range(17)]

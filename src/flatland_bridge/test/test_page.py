@@ -109,7 +109,7 @@ def test_models_are_driven_spawned_dragged_saved_and_undone(world, open_tab, scr
         wait_until(lambda: tab.text("banner") == "", "the end of the pause")
 
 
-def test_what_the_server_does_not_offer_is_disabled(server, tab, monkeypatch):
+def test_buttons_without_their_service_are_disabled(server, tab, monkeypatch):
     for name in ("/undo", "/redo"):
         monkeypatch.delitem(server.graph._services, name, raising=False)
     tab.open(server)

@@ -82,7 +82,7 @@ def test_a_port_in_use_is_named(world, capsys):
 
 
 @pytest.mark.parametrize("command", ["serve", "view"])
-def test_what_is_missing_is_named(world, capsys, monkeypatch, command):
+def test_a_missing_package_is_named(world, capsys, monkeypatch, command):
     for name in [name for name in sys.modules if name.startswith("flatland_bridge")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "orjson", None)

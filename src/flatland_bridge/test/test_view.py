@@ -65,7 +65,7 @@ def test_it_opens_the_browser_and_ends_by_ctrl_c(world, tmp_path):
         assert process.stderr.read() == ""
 
 
-def test_without_a_screen_it_says_so_and_goes_on(world, tmp_path):
+def test_without_a_screen_view_says_so_and_serves_on(world, tmp_path):
     with view(world, tmp_path) as (process, page):
         client = client_of(page)
         assert client.call("/seek", time=0.0)["values"]["success"]
@@ -89,7 +89,7 @@ def test_other_pages_and_other_users_programs_are_rejected(world, tmp_path):
                 connect(wrong, origin="http://localhost:8000")
 
 
-def test_what_is_moved_is_saved_in_the_users_world(world, tmp_path):
+def test_moved_models_are_saved_in_the_users_world(world, tmp_path):
     with view(world, tmp_path) as (_, page):
         client = client_of(page)
         client.call("/move_model", name="robot", pose={"x": 1.5})

@@ -142,7 +142,7 @@ NOISY = {**CORRIDOR, "neighbor_noise": 0.1, "neighbor_range": 4.0}
 
 
 @pytest.mark.parametrize("arguments", [CORRIDOR, NOISY], ids=["exact", "noisy"])
-def test_they_are_the_same_in_single_and_in_vector_environments(arguments):
+def test_neighbors_equal_in_single_and_vector_environments(arguments):
     single, many = make(**arguments), make_vector(2, **arguments)
     alone, together = single.reset(seed=4)[0], many.reset(seed=3)[0]
     assert alone.shape == (8 + 3 + 2 + 18,)

@@ -101,7 +101,7 @@ def test_vector_environments_equal_single_ones_to_the_bit(mode):
         assert_same(envs.step(actions), others.step(actions))
 
 
-def test_what_is_privileged_is_in_the_info_of_resets_and_steps():
+def test_privileged_parts_are_in_the_info_of_resets_and_steps():
     arguments = {**CORRIDOR, "neighbors": 0}
     env, plain = make(**arguments, privileged=["pose", to_goal]), make(**arguments)
 

@@ -41,7 +41,7 @@ def drive(env, steps):
 
 
 @pytest.mark.parametrize("flatten", [True, False])
-def test_it_equals_so_many_single_environments(flatten):
+def test_a_vector_environment_equals_single_ones(flatten):
     arguments = {**ARGUMENTS, "flatten": flatten}
     expected = drive(DummyVecEnv([lambda: make(**arguments)] * 5), 120)
     found = drive(NavigationVecEnv(5, **arguments), 120)

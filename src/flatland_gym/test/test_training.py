@@ -330,7 +330,7 @@ def test_the_command_trains_and_says_what_is_wrong(tmp_path, capsys):
         (["a.npz", "--minutes", "nan"], 'expected float of 0.001 or more, found "nan"'),
     ],
 )
-def test_what_is_wrong_is_told_before_the_training(
+def test_wrong_arguments_are_reported_before_the_training(
     tmp_path, monkeypatch, capsys, arguments, message
 ):
     monkeypatch.chdir(tmp_path)

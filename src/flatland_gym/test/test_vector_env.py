@@ -94,7 +94,7 @@ def with_a_cart():
 @pytest.mark.parametrize(
     "world", ["discs", ("discs", with_a_person_and_walls())], ids=["one world", "two worlds"]
 )
-def test_it_equals_so_many_single_environments(mode, count, world):
+def test_a_vector_environment_equals_single_ones(mode, count, world):
     arguments = {"world": world, **CROWDED}
     single = SyncVectorEnv([lambda: make(**arguments)] * count, autoreset_mode=mode)
     expected, ends = drive(single, mode, 80)

@@ -98,7 +98,7 @@ class Diagnostics(RecordingCase):
         self.assertTrue(delete("robot").success)
         self.statuses(lambda s: simulation in s and name not in s)
 
-    def test_a_model_whose_third_plugin_fails_leaves_nothing(self):
+    def test_a_model_with_a_failing_third_plugin_leaves_nothing(self):
         self.clock.next(5)
         before = ServerTopics.ask()
         for model, reason in (

@@ -205,7 +205,7 @@ class Services(RecordingCase):
         self.assertLess(math.hypot(pose.x, pose.y), 1e-6)
         self.clock.next(10)
 
-    def test_of_two_models_of_one_name_one_is_spawned(self):
+    def test_only_one_of_two_models_of_one_name_is_spawned(self):
         answers = []
         calls = [
             threading.Thread(target=lambda: answers.append(spawn(SLOW_MODEL, "twin")))

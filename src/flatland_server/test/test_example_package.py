@@ -198,7 +198,7 @@ def test_a_copied_package_overlays_the_installed_original(workspace, shell, spac
     assert all(file.startswith(f"{workspace}/") for file in (renamed_file, same_file))
 
 
-def test_its_own_tests_pass(workspace, shell):
+def test_the_example_packages_tests_pass(workspace, shell):
     output = shell.run(
         f"source '{workspace}/devel/setup.bash'",
         # Without the same settings, it would configure the workspace again.

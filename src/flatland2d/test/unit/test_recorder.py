@@ -333,7 +333,7 @@ def test_a_recording_that_cannot_be_made_is_refused(name, topics, message, tmp_p
     assert list(tmp_path.iterdir()) == []
 
 
-def test_what_is_no_message_is_refused_with_its_topic(tmp_path):
+def test_a_value_that_is_no_message_is_refused_with_its_topic(tmp_path):
     transport = LocalTransport()
     recorder = Recorder(transport, Timekeeper(0.005), tmp_path / "run.bag")
 

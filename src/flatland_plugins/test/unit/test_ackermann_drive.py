@@ -226,7 +226,7 @@ def test_it_obeys_the_messages_of_ackermann_msgs(files, stamped):
     assert robot.model().pose[:2] == pytest.approx(expected, abs=1e-5)
 
 
-def test_a_message_limits_its_own_execution(files):
+def test_limits_in_a_message_apply_to_its_command(files):
     robot = racecar(files, "linear_dynamics: {acceleration_limit: 4}")
     limits = {"steering_angle_velocity": 0.5, "acceleration": 2.0}
     robot.transport.send("/ackermann_cmd", drive_message(3.0, 0.4, **limits))
@@ -294,7 +294,7 @@ def test_with_slip_its_body_has_the_cars_mass(files):
     assert body.local_center == pytest.approx((0.17, 0.0))
 
 
-def test_it_has_the_actuators_of_any_drive(files):
+def test_an_ackermann_drive_may_have_actuators(files):
     """A delay of both axes, and traction: it speeds up by mu g, whatever it is commanded."""
     keys = "{delay: 0.1, linear: {time_constant: 0.5}, traction: {friction: 0.1}}"
     robot = racecar(files, f"actuators: {keys}", SLIP).drive(0.0, 0.0).run(0.1)

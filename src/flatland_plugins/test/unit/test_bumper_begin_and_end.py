@@ -29,7 +29,7 @@ def loader() -> PluginLoader:
     return PluginLoader([*discover(), PluginDeclaration.of(Ghost)])
 
 
-def test_a_contact_that_another_plugin_switches_off_is_none(files):
+def test_a_contact_disabled_by_another_plugin_is_not_reported(files):
     ghost = "type: Ghost, name: ghost"
     robot = throw(files.robot(BUMPER, ghost, layers=wall(files)), 1.0)
 
@@ -52,7 +52,7 @@ def test_a_contact_that_is_disabled_later_ends_the_collision(files):
     assert not robot.model().base.physics_body.awake
 
 
-def test_what_rests_in_touch_is_told_of_without_any_force(files):
+def test_a_resting_contact_is_reported_without_force(files):
     robot = throw(files.robot(BUMPER, layers=wall(files)), 1.0).run(1.0)
     [touch] = now(robot)
 
@@ -69,7 +69,7 @@ def test_what_rests_in_touch_is_told_of_without_any_force(files):
     assert reported[-1].collisions[0].magnitude_forces == [0.0]
 
 
-def test_what_rests_feels_the_next_push(files):
+def test_a_resting_body_reports_the_force_of_the_next_push(files):
     robot = throw(files.robot(BUMPER, layers=wall(files)), 1.0).run(3.0)
     assert not robot.model().base.physics_body.awake
 

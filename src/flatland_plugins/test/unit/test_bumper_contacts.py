@@ -102,7 +102,7 @@ def past_a_post(files, mine: str, others: str, bumper: str = BUMPER):
 
 
 @pytest.mark.parametrize(("mine", "others"), [(SENSOR, DISC), (DISC, SENSOR), (SENSOR, SENSOR)])
-def test_what_touches_a_sensor_is_reported_without_points(files, mine, others):
+def test_contacts_with_a_sensor_are_reported_without_points(files, mine, others):
     robot = past_a_post(files, mine, others)
 
     messages = robot.record("/collisions", 2.0)

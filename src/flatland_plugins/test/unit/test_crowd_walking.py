@@ -39,7 +39,7 @@ def test_goals_are_visited_in_turn_and_again(town):
     assert visited[:7] == [0, 1, 2, 0, 1, 2, 0]
 
 
-def test_who_has_one_goal_stays_there(town):
+def test_a_person_with_one_goal_stays_there(town):
     people = town("pose: [0, 0, 0], goals: [[3, 1]]")
 
     people.run(12.0)

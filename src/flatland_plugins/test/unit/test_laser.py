@@ -198,7 +198,7 @@ def test_a_lidar_sees_the_walls_of_its_layers(files, laser, seen):
     assert robot.last("/scan").ranges == pytest.approx([seen])
 
 
-def test_what_is_on_the_layer_reflectance_shines(files):
+def test_things_on_the_layer_reflectance_have_an_intensity(files):
     walls = (
         f"name: plain, map: {files.walls('plain', '2 -1 2 1')}",
         f"name: [reflectance, foil], map: {files.walls('foil', '-1 2 1 2')}",

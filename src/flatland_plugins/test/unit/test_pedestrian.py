@@ -117,7 +117,7 @@ def agent_states(monkeypatch):
 
 
 @pytest.mark.parametrize(("keys", "id"), [("", 7), (", agent_id: 3", 3)])
-def test_it_is_the_agent_of_its_id_by_default_of_its_number(files, agent_states, keys, id):
+def test_a_pedestrian_follows_the_agent_of_its_id_or_number(files, agent_states, keys, id):
     person = walker(files, f"agent_topic: /agents{keys}, {CALM}").run(0.5)
 
     agents = {"a1": (9.0, 9.0, 0.0, 0.0), f"a{id}": (0.2, -0.1, 0.6, -0.8)}
@@ -242,7 +242,7 @@ def test_files_for_other_simulators_are_run_with_their_keys(files, agent_states)
         ("", LEGS.replace(LEG, f"{LEG}, {LEG}"), 'expected one footprint of "left_leg", found 2'),
     ],
 )
-def test_what_it_cannot_move_is_refused_at_its_line(files, keys, bodies, message):
+def test_bodies_that_a_pedestrian_cannot_move_are_refused(files, keys, bodies, message):
     with pytest.raises(Exception, match=r"walker.yaml:\d+: plugins") as caught:
         walker(files, keys, bodies)
 

@@ -92,7 +92,7 @@ def test_a_double_wall_is_on_both_sides(files):
 
 @pytest.mark.parametrize("count", [1, 2, 3])
 @pytest.mark.parametrize("is_double", [False, True])
-def test_there_are_as_many_as_asked_for_no_two_beside_one_wall(files, count, is_double):
+def test_as_many_walls_are_added_as_asked_for_at_distinct_places(files, count, is_double):
     plugin = f"{WALLS}, num_of_walls: {count}, double_wall: {str(is_double).lower()}"
     copies = added(room(files, plugin))
 
@@ -275,7 +275,7 @@ def test_a_wrong_configuration_is_refused_at_its_line(files, replaced, message):
     assert str(caught.value) == f"{files.folder}/world.yaml:{PLUGINS_LINE}: plugins[0].{message}"
 
 
-def test_of_a_layer_without_walls_none_may_be_asked_for(files):
+def test_zero_random_walls_may_be_on_a_layer_without_walls(files):
     plugin = WALLS.replace("layer: walls", "layer: empty")
 
     assert added(room(files, plugin)) == []

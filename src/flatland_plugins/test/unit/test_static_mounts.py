@@ -43,7 +43,7 @@ def test_all_mounts_are_in_one_message_and_none_on_tf():
     assert all(each.header.stamp.to_nsec() == 0 for each in latched.transforms)
 
 
-def test_they_are_transforms_of_a_simulation_like_those_on_tf():
+def test_static_mounts_are_in_the_transforms_of_a_simulation():
     static = Simulation(robots("a", static_tf=True), topics=["/tf"])
     sent = Simulation(robots("a"), topics=["/tf"])
 

@@ -48,7 +48,7 @@ def test_only_the_first_of_several_wrong_commands_is_warned_of(make, caplog):
 
 
 @pytest.mark.parametrize("make", ["DiffDrive", "TricycleDrive"], indirect=True)
-def test_what_a_drive_cannot_do_is_not_looked_at(make, caplog):
+def test_components_that_a_drive_cannot_do_are_ignored(make, caplog):
     robot = make()
     twist = Twist()
     twist.linear.x, twist.linear.y, twist.angular.x = 0.5, math.nan, math.inf

@@ -126,7 +126,7 @@ def test_an_image_of_one_block_is_a_warning(good_files, caplog, mode, kind, dark
     assert found.startswith(f"map.yaml:1: image: {warning}")
 
 
-def test_an_image_with_transparency_that_hides_nothing_is_none(good_files, caplog):
+def test_an_opaque_alpha_channel_causes_no_warning(good_files, caplog):
     """Pillow would print a warning of its own."""
     image = Image.new("P", (60, 40), 0)
     image.putpalette([254, 254, 254, 0, 0, 0, *[0] * 762])

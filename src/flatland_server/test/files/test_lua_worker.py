@@ -178,7 +178,7 @@ def test_the_expressions_of_a_file_share_their_time(files, preprocessor):
 
 
 @pytest.mark.slow
-def test_each_file_has_its_own_time(files, preprocessor, evaluate):
+def test_each_file_has_its_own_time_limit(files, preprocessor, evaluate):
     with pytest.raises(YamlError):
         evaluate("while true do end")
 

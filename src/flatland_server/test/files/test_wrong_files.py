@@ -234,7 +234,7 @@ LONG_TEXTS = {
 
 
 @pytest.mark.parametrize(("file", "old", "new"), LONG_TEXTS.values(), ids=LONG_TEXTS.keys())
-def test_what_was_found_is_quoted_in_part(good_files, file, old, new):
+def test_a_long_value_is_quoted_in_part(good_files, file, old, new):
     good_files.edit(file, old, new)
 
     assert max(map(len, good_files.refusal().splitlines())) < 400

@@ -194,7 +194,7 @@ def test_an_expression_may_begin_with_a_bracket(read):
         ("local a = 2; return a * a", 4),
     ],
 )
-def test_a_result_has_its_own_type(read, expression, value):
+def test_an_expression_keeps_the_type_of_its_result(read, expression, value):
     result = read(f"foo: |\n  $eval {expression}\n")["foo"]
 
     assert result == value

@@ -59,7 +59,7 @@ def test_each_command_pastes_into_an_interactive_shell():
     assert result.stderr == ""
 
 
-def test_what_is_not_run_says_why():
+def test_a_block_that_is_not_run_says_why():
     blocks = [block for page in PAGES for block in blocks_of(page)]
     reasons = [block.note("not run:") for block in blocks]
 

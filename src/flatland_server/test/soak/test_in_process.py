@@ -57,7 +57,7 @@ def test_recordings_under_signals_and_on_full_disks_can_be_read(tmp_path, findin
     assert findings.counts["recorded steps"] > 1000
 
 
-def test_what_a_failed_spawn_leaves_behind_is_found(tmp_path, findings, monkeypatch):
+def test_leftovers_of_a_failed_spawn_are_found(tmp_path, findings, monkeypatch):
     files = RandomFiles(tmp_path, SEED, findings)
     monkeypatch.setattr(files.world, "spawn_model", lambda *_: files.world.delete_model("usher"))
 

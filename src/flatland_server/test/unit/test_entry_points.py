@@ -88,7 +88,7 @@ def test_a_package_that_is_installed_later_is_found(packages):
     assert module_of("Pusher") == "loader_mine.push"
 
 
-def test_it_is_imported_only_when_a_world_needs_it(packages):
+def test_a_plugin_is_imported_only_when_a_world_needs_it(packages):
     packages.add("loader_mine", "A = loader_mine.a:A", "B = loader_mine.b:B")
 
     PluginLoader().load("A", ModelPlugin)

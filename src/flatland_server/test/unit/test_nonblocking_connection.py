@@ -208,7 +208,7 @@ def test_messages_are_due_if_a_connection_has_many(subscriber, outbox):
     assert not outbox.is_due()
 
 
-def test_of_messages_sent_together_a_full_queue_loses_whole_ones(subscriber, outbox):
+def test_a_full_queue_loses_whole_messages(subscriber, outbox):
     theirs, _, connection = subscriber
     messages = [bytes([i]) * 9000 for i in range(100)]
 

@@ -170,7 +170,7 @@ def test_only_a_running_flatland_serve_imports_the_bridge():
     run_without_ros("import flatland2d.cli\nassert 'flatland_bridge' not in sys.modules")
 
 
-def test_of_the_bridge_only_its_node_imports_rospy():
+def test_only_the_node_of_the_bridge_imports_rospy():
     found = forbidden_imports(sources("flatland_bridge"), ROSPY)
 
     assert {line.partition(":")[0].rpartition("/")[2] for line in found} == {

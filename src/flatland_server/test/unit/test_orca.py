@@ -31,7 +31,7 @@ def test_two_people_head_on_each_make_half_of_the_change():
     assert choose((0.9, 0.0), (0.9, 0.0), [other]) == pytest.approx((0.75, 0.0), abs=1e-12)
 
 
-def test_who_overlaps_another_is_apart_after_a_step():
+def test_overlapping_people_are_apart_after_a_step():
     other = [0.9, 0.0, 0.0, 0.0, 1.0, 1.0]
 
     assert choose((0.0, 0.0), (0.0, 0.0), [other], dt=0.5) == pytest.approx((-0.2, 0.0))

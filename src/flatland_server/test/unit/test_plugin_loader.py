@@ -273,7 +273,7 @@ CPP_LIBRARY = """
 
 @pytest.mark.parametrize("namespace", ["their_plugins", "flatland_plugins"])
 @pytest.mark.parametrize("name", ["Pusher", "Named"])
-def test_the_error_for_a_cpp_plugin_says_so_and_where_to_read_on(packages, caplog, namespace, name):
+def test_the_error_for_a_cpp_plugin_names_the_guide_to_porting(packages, caplog, namespace, name):
     packages.add("their_plugins", CPP_LIBRARY.format(namespace=namespace))
 
     for type in (name, f"{namespace}::{name}", f"their_plugins::{name}"):

@@ -26,7 +26,7 @@ def test_reading_changes_nothing(files):
     assert world.get_model("robot").pose == pytest.approx(POSE)
 
 
-def test_of_two_entries_of_one_name_the_second_is_refused(files):
+def test_the_second_entry_of_a_name_is_refused(files):
     world = files.load(EMPTY_WORLD)
     path = files.write("model.yaml", MODEL)
     entries = []

@@ -69,7 +69,7 @@ def test_warnings_are_kept_from_the_first_on_and_counted(server):
     ]
 
 
-def test_what_is_kept_is_bounded(server):
+def test_the_recent_log_is_bounded(server):
     for number in range(1000):
         server.logger.warning("%d: %s", number, "x" * 100_000)
     server.logger.error("%s ValueError: the end", "y" * 100_000)

@@ -104,7 +104,7 @@ def test_a_batch_is_registered_in_one_call(master, registrar, updates):
     wait_for(lambda: updates == [("/cmd_vel", ["http://joystick:3"])])
 
 
-def test_what_is_closed_is_unregistered(master, registrar):
+def test_closed_topics_are_unregistered(master, registrar):
     registrar.reg_added(*ODOM)
     assert registrar.wait_until_done(LIMIT)
     registrar.reg_removed(*ODOM)
@@ -113,7 +113,7 @@ def test_what_is_closed_is_unregistered(master, registrar):
     assert names(master) == [LOGGERS[0]]
 
 
-def test_what_is_closed_in_the_same_batch_is_never_registered(master, registrar):
+def test_topics_closed_in_the_same_batch_are_never_registered(master, registrar):
     with registrar.batch():
         registrar.reg_added(*ODOM)
         registrar.reg_removed(*ODOM)

@@ -50,7 +50,7 @@ def visible(bar):
     return [name for _, name in sorted(seen) if name]
 
 
-def test_what_is_used_least_vanishes_first(window, application):
+def test_the_least_used_buttons_vanish_first(window, application):
     bar = window.addToolBar("tools")
     for tool in TOOLS:
         action = bar.addAction(tool.getName())

@@ -55,7 +55,7 @@ def test_distances_are_lower_bounds_up_to_the_farthest():
         assert max(0.0, exact - 0.08) <= grid.distance(x, y) <= max(0.0, exact) + 1e-12
 
 
-def test_what_walls_separate_is_left_out():
+def test_free_space_behind_walls_is_left_out():
     walls = np.concatenate([room(-5, 5), [[1.0, -5, 1.0, 5]]])
     grid = DistanceGrid(walls, (-2.0, 0.0), 0.5)
     space, rng = grid.free_space(0.3), np.random.default_rng(1)

@@ -71,7 +71,7 @@ def test_the_content_of_a_dict_has_no_files_left():
     assert len(world["models"]) == 1
 
 
-def test_what_is_missing_is_named(tmp_path):
+def test_missing_worlds_and_models_are_named(tmp_path):
     with pytest.raises(FlatlandError, match=r'no world is named "ofice" \(did you mean "office"'):
         world_content("ofice")
     (tmp_path / "world.yaml").write_text("models: [{name: a, model: b.yaml}]\nlayers: 3\n")

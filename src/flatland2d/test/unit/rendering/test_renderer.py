@@ -124,7 +124,7 @@ def test_pictures_do_not_depend_on_earlier_pictures(simulation):
             assert used.image(view) == Renderer(simulation.world).image(view)
 
 
-def test_what_does_not_move_is_drawn_once(simulation, monkeypatch):
+def test_walls_are_drawn_once_for_all_pictures(simulation, monkeypatch):
     renderer = Renderer(simulation.world)
     drawn = []
     draw = rendering.scene.draw_walls

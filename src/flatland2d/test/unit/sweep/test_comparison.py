@@ -172,7 +172,7 @@ def test_the_gate_catches_ten_per_cent_less_success():
     ]
 
 
-def test_a_change_within_the_tolerance_is_none():
+def test_a_change_within_the_tolerance_is_no_regression():
     before, now = rows("a", noisy(1.0, 0)), rows("a", [1.005 * t for t in noisy(1.0, 0)])
 
     assert not any(each.is_regression for each in verdicts(now, before, 0.01))

@@ -111,7 +111,7 @@ def test_a_given_path_and_speed_give_the_score_of_barn(settings_of):
     assert row["barn_score"] == pytest.approx(0.5 / row["time"])
 
 
-def test_what_a_robot_has_hit_first(settings_of):
+def test_a_collision_names_the_thing_that_was_hit(settings_of):
     row = result_of(settings_of(controllers=AHEAD, start="[2.5, 0, 0]", goal=None, time_limit=10))
 
     assert (row["collision"], row["collision_with"]) == (True, "walls")

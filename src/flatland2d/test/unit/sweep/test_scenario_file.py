@@ -121,7 +121,7 @@ def test_expressions_and_includes_are_resolved(folder, settings_of):
         ({"step_size": "0"}, "a number above 0"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(settings_of, keys, message):
+def test_problems_are_reported_with_their_place(settings_of, keys, message):
     with pytest.raises(YamlError) as error:
         settings_of(**keys)
 

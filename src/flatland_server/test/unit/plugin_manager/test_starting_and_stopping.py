@@ -58,7 +58,7 @@ def test_a_plugin_that_does_not_start_stops_its_model(files):
     ]
 
 
-def test_a_spawn_whose_third_plugin_fails_leaves_nothing_behind(files, caplog):
+def test_a_spawn_that_fails_in_its_third_plugin_leaves_nothing(files, caplog):
     world = world_of(files, "other: type: Recorder, name: p")
     entities, joints = list(world.entities), world.physics.joint_count
     events: List[Any] = []

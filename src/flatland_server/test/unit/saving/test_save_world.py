@@ -107,7 +107,7 @@ def test_an_edit_that_is_undone_is_no_change(server):
     assert server.edits.count == 0
 
 
-def test_what_a_robot_does_is_no_edit(server):
+def test_motion_of_a_robot_is_no_edit(server):
     server.world.models["a"].move(Pose(1.0, 1.0, 0.0))
     server.world.spawn_model("box.yaml", "of_a_plugin", "", Pose())
 
@@ -186,7 +186,7 @@ def test_an_edit_in_the_file_since_it_was_read_is_kept(server):
         ),
     ],
 )
-def test_what_cannot_be_changed_alone_is_left_as_it_is(files, models, error):
+def test_models_that_cannot_be_changed_alone_are_not_saved(files, models, error):
     files.write("more.yaml", "[{name: e, model: box.yaml}]\n")
     files.write("each.yaml", "{name: e, model: box.yaml}\n")
     server = Server(files, f"properties: {{}}\nlayers: []\n{models}\n")
@@ -256,7 +256,7 @@ def test_a_client_writes_worlds_alone(server, files, tmp_path):
         "properties: {}\nlayers: [\n",
     ],
 )
-def test_what_does_not_load_as_a_world_is_not_replaced(server, tmp_path, text):
+def test_a_file_that_is_no_world_is_not_replaced(server, tmp_path, text):
     foreign = tmp_path / "foreign.yaml"
     foreign.write_text(text)
     server.move("c", 5.0, 6.0)
@@ -402,7 +402,7 @@ def test_a_clients_pose_wins_over_a_pose_changed_in_the_file(server):
     assert server.text == WORLD.replace("[5, 5, 0]", "[5.0, 6.0, 0.0]")
 
 
-def test_a_model_whose_file_is_gone_is_not_saved(server, files):
+def test_a_model_without_its_file_is_not_saved(server, files):
     path = files.write("gone.yaml", BOX)
     server.spawn("x", 1.0, 2.0, path=str(path))
     path.unlink()

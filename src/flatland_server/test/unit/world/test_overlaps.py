@@ -55,7 +55,7 @@ def test_a_model_spawned_in_an_overlap_causes_one_warning(files, world, caplog):
 
 
 @pytest.mark.parametrize("kind", ["sensor", "ghost", "other_layer", "static"])
-def test_what_is_not_pushed_out_is_no_warning(files, world, caplog, kind):
+def test_overlaps_that_are_not_pushed_out_cause_no_warning(files, world, caplog, kind):
     spawn(files, world, f"{kind}.yaml", "box", pose=Pose(-0.5, 0, 0))
 
     assert warnings(caplog) == []

@@ -139,7 +139,7 @@ ANNOUNCER = "type: Announcer, name: announcer, rate: 30"
     [(), (WITNESS,), (TIMED, ANNOUNCER), (WITNESS, TIMED, ANNOUNCER)],
     ids=["none", "contacts", "timers", "all"],
 )
-def test_they_are_as_many_single_steps(files, plugins, seed):
+def test_steps_at_once_equal_single_steps(files, plugins, seed):
     single, many = (make_run(files, *plugins, seed=seed) for _ in range(2))
     rng = random.Random(seed)
     steps = 0
