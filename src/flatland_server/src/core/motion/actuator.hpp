@@ -18,8 +18,8 @@ namespace flatland {
 struct AxisSettings {
   double delay = 0.0;          ///< dead time of commands, 10 at most [s]
   double time_constant = 0.0;  ///< of a first-order lag [s]
-  double dead_band = 0.0;  ///< a lower command counts as 0 [m/s or rad/s]; for a steering angle:
-                           ///< one that is nearer to the angle that is held changes nothing [rad]
+  double dead_band = 0.0;  ///< a command below it counts as 0 [m/s or rad/s]; a steering command
+                           ///< that is nearer than this to the held angle is ignored [rad]
   double noise = 0.0;      ///< of the velocity: spectral density, while it moves [m^2/s, rad^2/s]
 };
 
