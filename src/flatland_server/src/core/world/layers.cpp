@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/box2d_internals.hpp"
 #include "base/box2d_limits.hpp"
 #include "base/to_box2d.hpp"
 #include "sight/segment_tree.hpp"
 #include "sight/visible_fixture.hpp"
-#include "world/box2d_internals.hpp"
 
 namespace flatland {
 namespace {
