@@ -40,7 +40,7 @@ class Screen:
     """An X display, controlled by xdotool.
 
     Args:
-        display: its name.
+        display: name of the X display, such as ":51".
         kind: its size, scale and background.
         name: of the screen, for the files of its pictures.
         settings: folder for the window's settings, among them the background.

@@ -128,7 +128,7 @@ def field(message: Message, key: str, kind: Type[T]) -> T:
 
     Args:
         message: a message of a client.
-        key: the field's key.
+        key: key of the field.
         kind: str, list or dict.
 
     Raises:
@@ -173,7 +173,7 @@ def whole(message: Message, key: str, default: Optional[int] = None) -> int:
 
     Args:
         message: a message of a client.
-        key: the field's key.
+        key: key of the field.
         default: value of a missing field.
 
     Raises:

@@ -96,7 +96,7 @@ class Graph(ABC):
         Args:
             topic: absolute name of the topic, such as "/robot1/scan".
             receive: called with each message; first with the last one if the topic is latched.
-            client: has asked for it, and counts what waits until it is done.
+            client: client that asked for it; its budget counts the messages that wait.
 
         Returns:
             A function that ends the subscription.

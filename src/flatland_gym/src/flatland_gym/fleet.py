@@ -103,7 +103,7 @@ class BatchFleet(Fleet):
         world: the world to simulate.
         settings: settings of the environment.
         rows: arrays for the measurements of the robots.
-        threads: of the batch.
+        threads: number of threads of the batch.
         maps: the maps of `settings`.
 
     Raises:

@@ -53,7 +53,7 @@ class Robot:
             world: world to look in.
             name: the model's name.
             lidar: the name of its lidar.
-            settings: have the limits for a drive without limits of its own.
+            settings: settings with the limits for a drive without limits of its own.
 
         Raises:
             ModelError: it has no drive, or several ones.

@@ -240,7 +240,7 @@ class Network:
 
     Args:
         sizes: of the input, of each hidden layer, and of the output.
-        gain: of the last layer's initial weights.
+        gain: scale of the last layer's initial weights.
         rng: draws the initial weights: orthogonal, which is known to help PPO.
     """
 

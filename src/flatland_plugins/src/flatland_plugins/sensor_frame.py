@@ -40,7 +40,7 @@ class SensorFrame:
     Once on /tf_static, or with each measurement on /tf, as the original does.
 
     Args:
-        plugin: the sensor.
+        plugin: the plugin of the sensor.
         body: the body it is mounted on.
         frame: name of its frame, without the model's namespace.
         tf_topic: of the transform; None if it is not published.

@@ -106,7 +106,7 @@ class TwistDrive(OdometryPlugin, ABC):
         """Obeys the messages of a topic; warns of the first in a series of invalid ones.
 
         Args:
-            topic: of the commands.
+            topic: name of the topic of commands.
             kind: the type of its messages.
             obey: passes a message to the drive of the core; raises a ValueError for an invalid one.
         """

@@ -133,7 +133,7 @@ def disturb_sweeps(folder: Path, seed: int, kills: int, findings: Findings) -> N
 
     Args:
         folder: folder for the files, which is created.
-        seed: of the scenarios and disturbances.
+        seed: seed of the scenarios and of the disturbances.
         kills: number of times that processes are killed.
         findings: to which counts and violations are added.
     """

@@ -215,8 +215,8 @@ class Server(QObject):
         """Calls a service on a thread of its own; emits `failed` if that does not succeed.
 
         Args:
-            name: the service's name.
-            service: its type.
+            name: name of the service, such as "/pause".
+            service: class of the service.
             arguments: the request's arguments.
             then: called on the window's thread after success.
             done: a message for `done` on success, or a function that makes it of the response.

@@ -22,7 +22,7 @@ class BatchPlugins:
 
     Args:
         config: contents of the initial world's files.
-        roles: of its plugins.
+        roles: roles of the plugins, in the order in which a step calls them.
         count: number of environments, n.
         step_nanoseconds: length of a step [ns].
         open: returns the world of a seed.

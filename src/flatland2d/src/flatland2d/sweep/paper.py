@@ -82,7 +82,7 @@ def markdown_table(summary: Summary, comparisons: Comparisons = ()) -> str:
     """The summary as a table in Markdown: a row for each world and metric.
 
     Args:
-        summary: of all worlds and controllers.
+        summary: summary rows of all worlds and controllers.
         comparisons: see `latex_table`.
     """
     heads = ["world", "metric", *_controllers(summary)]
@@ -106,7 +106,7 @@ def latex_table(summary: Summary, comparisons: Comparisons = ()) -> str:
     of two columns of a page.
 
     Args:
-        summary: of all worlds and controllers.
+        summary: summary rows of all worlds and controllers.
         comparisons: of the controllers; those that are significantly worse than the best one are
             told from the others, which are bold.
     """

@@ -150,7 +150,7 @@ class Sweep:
 
         Args:
             pool: pool that draws the pictures.
-            pictures: how many runs without success are drawn, at most.
+            pictures: greatest number of runs without success that are drawn.
             metrics: names in SUMMARISED, those of comparisons and of the tables and the figure for
                 papers.
 

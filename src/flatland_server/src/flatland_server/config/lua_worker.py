@@ -143,7 +143,7 @@ class Worker:
         Args:
             value: the value in Lua.
             left: its only item is the number of values still allowed; counted down.
-            depth: of the table that the value is in.
+            depth: number of tables around the value.
 
         Raises:
             ValueError: it cannot be converted, or is too large.

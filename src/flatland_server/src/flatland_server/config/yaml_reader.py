@@ -75,7 +75,7 @@ class YamlReader(YamlMap):
         """The reader of a file, its includes and expressions resolved.
 
         Args:
-            path: the file's path.
+            path: path of the YAML file.
             preprocessor: evaluates expressions; by default without parameters.
 
         Raises:

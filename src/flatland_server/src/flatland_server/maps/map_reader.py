@@ -86,7 +86,7 @@ class MapConfig:
         """Reads the YAML file, but not the file of the walls that it names.
 
         Args:
-            path: of the file.
+            path: path of the map's YAML file.
             preprocessor: evaluates the file's expressions, with their parameters.
 
         Raises:

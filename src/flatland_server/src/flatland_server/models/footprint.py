@@ -178,7 +178,7 @@ class Footprint:
         """Adds this shape, with its material, to a body, or checks whether a body can have it.
 
         Args:
-            body: gets the shape, or checks it.
+            body: body that gets the shape, or a checker.
 
         Raises:
             ValueError: Box2D cannot represent the shape.

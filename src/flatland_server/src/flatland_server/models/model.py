@@ -98,7 +98,7 @@ class ModelConfig:
         """Reads the text of a model file; see `from_file`.
 
         Args:
-            source: the text.
+            source: YAML text of a model file.
             folder: where relative paths in it begin.
             registry: as for `from_file`.
             preprocessor: as for `from_file`.
@@ -140,7 +140,7 @@ class Model(Entity):
         namespace: of its topics and frames; may be empty. A "~" before it makes the frame of its
             odometry one of its own, too, even if its file names it without "~".
         config: content of the model's file.
-        pose: of its origin in the world.
+        pose: pose of its origin in the world [m, m, rad].
         physics: physical world to add the model to.
         registry: the collision layers of that world.
         entities: the entities of that world; the model adds itself.

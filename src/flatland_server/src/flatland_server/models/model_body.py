@@ -74,7 +74,7 @@ class ModelBody:
 
     Args:
         config: the body's entry in the model file.
-        model_pose: of the model's origin in the world.
+        model_pose: pose of the model's origin in the world [m, m, rad].
         physics: physical world to add the body to.
 
     Raises:

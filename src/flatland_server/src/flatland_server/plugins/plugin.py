@@ -254,7 +254,7 @@ class Plugin:
         a run is the same with pictures and without.
 
         Args:
-            canvas: the picture.
+            canvas: picture to draw on.
             timekeeper: the simulated time.
         """
 

@@ -149,7 +149,7 @@ class SimulationManager(RunWithHistory):
         """Makes `run` make steps, paused or not, one after the other without waits.
 
         Args:
-            count: how many; they follow those of a request that is being served.
+            count: number of steps; they follow those of a request that is being served.
             then_pause: whether the simulation is paused after them; else it is as before.
 
         Returns:

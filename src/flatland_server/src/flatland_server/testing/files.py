@@ -54,7 +54,7 @@ class WorldFiles:
         """Writes a file.
 
         Args:
-            name: the file's name.
+            name: name of the file, relative to the folder.
             content: a dict is written as YAML, a string without its common indentation.
         """
         if not isinstance(content, str):
@@ -68,7 +68,7 @@ class WorldFiles:
 
         Args:
             name: of the file, without ".yaml".
-            segments: the walls.
+            segments: the walls [m]: shape (n, 4), x1, y1, x2, y2.
         """
         lines = [each if isinstance(each, str) else " ".join(map(repr, each)) for each in segments]
         self.write(f"{name}.dat", "\n".join(lines))

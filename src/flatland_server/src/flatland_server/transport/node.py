@@ -200,8 +200,8 @@ class Node:
         """Announces that this node publishes a frame; warns if another one does already.
 
         Args:
-            parent: the frame's parent.
-            child: the frame.
+            parent: parent frame of the transform.
+            child: frame that this node publishes.
 
         Raises:
             TopicError: TF cannot have a frame of this name.
@@ -214,7 +214,7 @@ class Node:
         Such a frame is of one model alone; warns if a node of another model has announced it.
 
         Args:
-            frame_id: of the frame of odometry.
+            frame_id: name of the odometry frame.
         """
         self._frames.claim_odometry(frame_id, self.owner, self.warn)
 

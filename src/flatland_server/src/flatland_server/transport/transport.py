@@ -40,7 +40,7 @@ class Publisher(ABC):
         A transport may skip it if the topic has no subscriber.
 
         Args:
-            writer: makes the message.
+            writer: makes a message of values, or its bytes.
             values: arguments of the writer.
         """
         self.publish(writer.message(*values))
@@ -49,7 +49,7 @@ class Publisher(ABC):
         """A message that the core writes to the present subscribers at each step.
 
         Args:
-            message: the message.
+            message: the message that the core writes.
 
         Returns:
             None if the transport cannot do this: `write` has to be called.
@@ -216,7 +216,7 @@ class Transport(TransformSender):
         """The value of a parameter.
 
         Args:
-            name: its absolute name.
+            name: absolute name of the parameter, such as "/robot1/radius".
             default: the value if there is no such parameter.
         """
 
