@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/box2d_internals.hpp"
 #include "base/box2d_limits.hpp"
 #include "base/to_box2d.hpp"
-#include "base/box2d_internals.hpp"
 #include "world/layers.hpp"
 
 namespace flatland {
@@ -40,7 +40,7 @@ void World::Step(double dt, const AccessGuard&) {
   Require(IsUsable(dt) && dt >= kMinStep, "a step must be finite and longer than zero");
   const int parts = PartsOf(dt);
   if (parts == 1) return StepOnce(dt);
-  world_->SetAutoClearForces(false);                    // a force is that of the whole step
+  world_->SetAutoClearForces(false);                    // forces act in all parts of the step
   const double nanoseconds = std::nearbyint(dt * 1e9);  // drives and drifts count whole ones
   const auto end_of = [=](int part) { return std::floor(nanoseconds * part / parts); };
   for (int i = 0; i < parts; ++i) StepOnce((end_of(i + 1) - end_of(i)) * 1e-9);
@@ -53,7 +53,7 @@ int World::PartsOf(double dt) {
     const double turn = omega * dt;
     return squared_speed * dt * dt > b2_maxTranslationSquared || turn > b2_maxRotation;
   };
-  double most = 1.0;  // times that of one step
+  double most = 1.0;  // greatest motion, in multiples of what is possible in one step
   const auto consider = [&](double speed, double omega) {
     most = std::max({most, speed * dt / b2_maxTranslation, omega * dt / b2_maxRotation});
   };
@@ -70,7 +70,7 @@ int World::PartsOf(double dt) {
     consider(std::sqrt(squared) + omega * arm, omega);
   });
   if (most == 1.0) return 1;
-  // Each of a nanosecond or more.
+  // No part is shorter than a nanosecond.
   const double parts = std::min({std::ceil(most * (1.0 + 1e-6)), double{kMostParts}, dt * 1e9});
   return std::max(1, static_cast<int>(parts));
 }
@@ -83,7 +83,7 @@ void World::StepOnce(double dt) {
           [&](auto, auto& mounted) { visit(mounted.mechanism, *bodies_.Get(mounted.body).body); });
     });
   };
-  // First, since a drive may be on a body that people see.
+  // Crowds come first: people see the bodies before drives set new velocities.
   crowds_.ForEach([&](auto, Crowd& crowd) { crowd.BeginStep(bodies_, *layers_, dt); });
   for_each([dt](auto& mechanism, b2Body& body) { mechanism.BeginStep(body, dt); });
   const auto step = static_cast<float>(dt);
