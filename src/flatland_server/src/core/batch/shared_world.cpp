@@ -95,7 +95,7 @@ void SharedWorld::JoinRanges() {
 }
 
 std::unique_ptr<SharedState> SharedWorld::MakeState(SharedState::Walls walls) {
-  const auto& layers = world_->layers_->nearby();
+  const auto& layers = world_->layers_->all();
   if (walls != nullptr) {
     Require(!layers.empty(), "the world has no layer");
     const bool is_at_beginning = std::all_of(
@@ -132,8 +132,8 @@ void SharedWorld::ExchangeOwn(SharedState& state) {
   std::byte* const present = BytesOf(&box2d::Contacts(*world_->world_).m_broadPhase);
   std::swap_ranges(present, present + sizeof(b2BroadPhase), BytesOf(&state.broad_phase_));
   auto held = state.held_.begin();
-  for (const auto& each : world_->layers_->nearby()) each->Exchange(*held++);
-  if (state.walls_ != nullptr) world_->layers_->ExchangeFirst(state.walls_);
+  for (const auto& each : world_->layers_->all()) each->Exchange(*held++);
+  if (state.walls_ != nullptr) world_->layers_->all().front()->ExchangeWalls(state.walls_);
   auto nearby = state.nearby_.begin();
   for (BodyRecord* const record : world_->bodies_.Moving()) std::swap(record->nearby, *nearby++);
   auto line = state.lines_.begin();

@@ -77,9 +77,9 @@ void SeeWalls(const Layers& all, LayerBits layers, Vec2 point, double reach,
   found.clear();
   seen.clear();
   const Box box{{point.x - reach, point.y - reach}, {point.x + reach, point.y + reach}};
-  for (const Layers::Layer& layer : all.all()) {
-    if ((layer.bits & layers) == 0) continue;
-    const SegmentTree& walls = layer.walls();
+  for (const auto& layer : all.all()) {
+    if ((layer->layers() & layers) == 0) continue;
+    const SegmentTree& walls = layer->walls();
     walls.ForEachLeafAt(box, [&](size_t leaf) {
       walls.ForEachWall(leaf, [&](uint32_t index) {
         const Segment& wall = walls.segments()[index];

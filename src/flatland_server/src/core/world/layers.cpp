@@ -6,7 +6,6 @@
 #include "base/box2d_internals.hpp"
 #include "base/box2d_limits.hpp"
 #include "base/to_box2d.hpp"
-#include "sight/segment_tree.hpp"
 #include "sight/visible_fixture.hpp"
 
 namespace flatland {
@@ -54,8 +53,7 @@ void RequireWalls(const std::vector<Segment>& walls) {
 }
 
 void Layers::CopyFrom(const Layers& other) {
-  all_ = other.all_;
-  for (const auto& each : other.nearby_) nearby_.push_back(std::make_unique<NearbyWalls>(*each));
+  for (const auto& each : other.all_) all_.push_back(std::make_unique<NearbyWalls>(*each));
 }
 
 Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits bits,
@@ -66,24 +64,16 @@ Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits b
   record.is_layer = true;
   record.layer = static_cast<uint32_t>(all_.size());
   record.may_move = false;
-  all_.push_back({VisibleWalls::Share(std::move(walls), progress), bits});
+  auto visible = VisibleWalls::Share(std::move(walls), progress);
   const Bodies::Body handle = bodies_.Add(std::move(record));
-  const auto& visible = all_.back().visible;
-  nearby_.push_back(std::make_unique<NearbyWalls>(
-      std::shared_ptr<const SegmentTree>(visible, &visible->all()), bits, handle.index));
+  all_.push_back(std::make_unique<NearbyWalls>(std::move(visible), bits, handle.index));
   bodies_.ForEach([](auto, BodyRecord& each) { each.nearby.is_current = false; });
   return handle;
 }
 
-void Layers::ExchangeFirst(std::shared_ptr<const VisibleWalls>& walls) {
-  const auto& present = all_.front().visible;
-  all_.front().visible.swap(walls);
-  nearby_.front()->Replace(std::shared_ptr<const SegmentTree>(present, &present->all()));
-}
-
 int Layers::held_body_count() const {
   int count = 0;
-  for (const auto& each : nearby_) count += each->held_block_count();
+  for (const auto& each : all_) count += each->held_block_count();
   return count;
 }
 
@@ -94,15 +84,15 @@ int Layers::held_wall_count() const {
 }
 
 size_t Layers::FixtureCountOf(const BodyRecord& record) const {
-  return record.is_layer ? nearby_[record.layer]->size() : record.fixtures.size();
+  return record.is_layer ? all_[record.layer]->size() : record.fixtures.size();
 }
 
 b2Fixture* Layers::FixtureOrNull(const BodyRecord& record, uint32_t index) const {
-  return record.is_layer ? nearby_[record.layer]->Find(index) : record.fixtures[index].fixture;
+  return record.is_layer ? all_[record.layer]->Find(index) : record.fixtures[index].fixture;
 }
 
 void Layers::HoldWallsNearBodies(b2World& world, float dt) {
-  if (nearby_.empty()) return;
+  if (all_.empty()) return;
   for (BodyRecord* const record : bodies_.Moving()) {
     if (!MayReachWalls(*record)) continue;
     const float step = std::min(record->body->GetLinearVelocity().Length() * dt, b2_maxTranslation);
@@ -113,7 +103,7 @@ void Layers::HoldWallsNearBodies(b2World& world, float dt) {
 }
 
 bool Layers::HoldWallsOnTheWay(b2World& world) {
-  if (nearby_.empty()) return false;
+  if (all_.empty()) return false;
   bool has_come_far = false;
   for (BodyRecord* const record : bodies_.Moving()) {
     const BodyRecord::Nearby& nearby = record->nearby;
@@ -133,9 +123,9 @@ void Layers::HoldWallsNear(b2World& world, BodyRecord& record, const b2AABB& cen
                 {centers.upperBound.x + size, centers.upperBound.y + size}};
   BodyRecord::Nearby nearby{true, record.body->GetWorldCenter(), room, {}};
   const int32 moves = box2d::MoveCount(world);
-  for (uint32_t i = 0; i < nearby_.size(); ++i) {
-    if ((nearby_[i]->layers() & reach.layers) == 0) continue;
-    nearby_[i]->ForEachBlockAt(box, [&](uint32_t number) { nearby.blocks.push_back({i, number}); });
+  for (uint32_t i = 0; i < all_.size(); ++i) {
+    if ((all_[i]->layers() & reach.layers) == 0) continue;
+    all_[i]->ForEachBlockAt(box, [&](uint32_t number) { nearby.blocks.push_back({i, number}); });
   }
   HoldWallsOf(world, record, std::move(nearby));
   // Box2D searches the new contacts from the body, instead of from each wall.
@@ -144,13 +134,13 @@ void Layers::HoldWallsNear(b2World& world, BodyRecord& record, const b2AABB& cen
 }
 
 void Layers::HoldWallsOf(b2World& world, BodyRecord& record, BodyRecord::Nearby nearby) {
-  for (const auto& [layer, number] : nearby.blocks) nearby_[layer]->Hold(world, number);
-  for (const auto& [layer, number] : record.nearby.blocks) nearby_[layer]->Release(world, number);
+  for (const auto& [layer, number] : nearby.blocks) all_[layer]->Hold(world, number);
+  for (const auto& [layer, number] : record.nearby.blocks) all_[layer]->Release(world, number);
   record.nearby = std::move(nearby);
 }
 
 void Layers::AppendHeldFixtures(std::vector<b2Fixture*>& fixtures) const {
-  for (const auto& each : nearby_) each->AppendFixtures(fixtures);
+  for (const auto& each : all_) each->AppendFixtures(fixtures);
 }
 
 }  // namespace flatland

@@ -17,7 +17,6 @@
 
 #include "base/collision_layers.hpp"
 #include "base/geometry.hpp"
-#include "sight/visible_walls.hpp"
 #include "world/bodies.hpp"
 #include "world/nearby_walls.hpp"
 
@@ -28,13 +27,6 @@ void RequireWalls(const std::vector<Segment>& walls);
 
 class Layers {
  public:
-  struct Layer {
-    const SegmentTree& walls() const { return visible->all(); }
-
-    std::shared_ptr<const VisibleWalls> visible;
-    LayerBits bits;
-  };
-
   /// Box2D has the walls that are up to `room` [m] beyond what a body will reach. The world's
   /// bodies must live as long.
   Layers(Bodies& bodies, float room) : bodies_(bodies), room_(room) {}
@@ -48,14 +40,10 @@ class Layers {
   /// See World::AddLayer.
   Bodies::Body Add(b2World& world, std::vector<Segment> walls, LayerBits bits,
                    const std::function<void(std::size_t added)>& progress);
-  const std::vector<Layer>& all() const { return all_; }
-  /// Exchanges the walls of the first layer with others, while Box2D has none of either.
-  void ExchangeFirst(std::shared_ptr<const VisibleWalls>& walls);
-  /// The walls of all layers in Box2D, in the same order.
-  const std::vector<std::unique_ptr<NearbyWalls>>& nearby() const { return nearby_; }
+  const std::vector<std::unique_ptr<NearbyWalls>>& all() const { return all_; }
   /// The walls of a layer in Box2D, or null if the record is no layer.
   NearbyWalls* NearbyOf(const BodyRecord& record) const {
-    return record.is_layer ? nearby_[record.layer].get() : nullptr;
+    return record.is_layer ? all_[record.layer].get() : nullptr;
   }
   /// The number of a body's fixtures, or of a layer's walls.
   std::size_t FixtureCountOf(const BodyRecord& record) const;
@@ -84,8 +72,7 @@ class Layers {
 
   Bodies& bodies_;
   float room_;  // [m]
-  std::vector<Layer> all_;
-  std::vector<std::unique_ptr<NearbyWalls>> nearby_;
+  std::vector<std::unique_ptr<NearbyWalls>> all_;
 };
 
 }  // namespace flatland

@@ -112,9 +112,9 @@ double ClearanceOf(const b2Fixture& fixture, const Bodies& bodies, const Layers&
   });
   b2Transform origin;
   origin.SetIdentity();
-  for (const Layers::Layer& layer : layers.all()) {
-    if ((fixture.GetFilterData().maskBits & layer.bits) == 0) continue;
-    const SegmentTree& walls = layer.walls();
+  for (const auto& layer : layers.all()) {
+    if ((fixture.GetFilterData().maskBits & layer->layers()) == 0) continue;
+    const SegmentTree& walls = layer->walls();
     least = walls.Least(box, least, [&](uint32_t index) {
       return Distance(fixture, EdgeOf(walls.segments()[index]), origin);
     });
@@ -332,7 +332,7 @@ std::vector<World::Body> World::GetOverlappingBodies(Body handle) const {
       if (OverlapsWall(other, *layer)) collector.found.push_back(other.body);
     });
   }
-  for (const auto& layer : layers_->nearby()) {
+  for (const auto& layer : layers_->all()) {
     if (OverlapsWall(record, *layer)) {
       collector.found.push_back(bodies_.Get(bodies_.HandleAt(layer->owner())).body);
     }

@@ -319,7 +319,7 @@ void WorldState::Serialize(Archive& archive, const World& world) {
     records.push_back(&record);
   });
   archive.Same(static_cast<uint32_t>(records.size()), "the number of bodies");
-  const auto& layers = world.layers_->nearby();
+  const auto& layers = world.layers_->all();
   archive.Same(static_cast<uint32_t>(layers.size()), "the number of layers");
   std::set<std::pair<uint32_t, uint32_t>> held;  // blocks of walls
   size_t fixture_count = 0;
