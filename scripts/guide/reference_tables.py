@@ -28,8 +28,8 @@ from node_parameters import parameters_of
 ROOT = Path(__file__).resolve().parents[2]
 HEADER = "| key | type | unit | default | meaning |\n| --- | --- | --- | --- | --- |\n"
 MARK = re.compile(r"<!-- (keys|arguments|parameters) of ([^>]+) -->\n((?:\|.*\n)*)")
-RESULT = re.compile(r"^(bool success|string message) +# (?:(?:to )?check|error .*such as).*$", re.M)
-"""The result of a service, with a comment that says no more than the page does of all of them."""
+RESULT = re.compile(r"(?<=^---\n)bool success.*\nstring message.*\n?", re.M)
+"""The result of a service, which the page explains once for all of them."""
 DEFINITIONS = re.compile(r"<!-- definitions of (\w+) (\w+) -->\n(.*?)<!-- end -->", re.DOTALL)
 
 
@@ -132,7 +132,7 @@ def _parameters(subject: str, rows: str) -> str:
 def _definitions(package: str, kind: str) -> str:
     text = ""
     for path in sorted((ROOT / "src" / package / kind).glob(f"*.{kind}")):
-        definition = RESULT.sub(r"\1", path.read_text(encoding="utf-8").rstrip())
+        definition = RESULT.sub("", path.read_text(encoding="utf-8")).rstrip()
         text += f"\n### {path.stem}\n\n```text\n{definition}\n```\n"
     return text + "\n"
 
