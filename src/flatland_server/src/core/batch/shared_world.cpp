@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/box2d_limits.hpp"
-#include "world/box2d_internals.hpp"
+#include "base/box2d_internals.hpp"
 #include "world/layers.hpp"
 
 namespace flatland {

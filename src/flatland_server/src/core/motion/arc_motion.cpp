@@ -86,13 +86,9 @@ void ArcMotion::Begin(b2Body& body, const Twist& mean, double dt, Grip* grip) {
   if (grip != nullptr) {
     commanded_velocity_ = ToBox2D(1.0 / dt * displacement_of(body));
     commanded_omega_ = static_cast<float>(rotation / dt);
-    grip->Begin(body, mass);
     body.SetLinearVelocity(body.GetLinearVelocity() - shown_);
     body.SetAngularVelocity(body.GetAngularVelocity() - shown_omega_);
-    // The mass may have changed since the joint was put where its centre was.
-    const b2Vec2 arm = grip->joint()->GetAnchorB() - body.GetWorldCenter();
-    grip->belt()->SetLinearVelocity(commanded_velocity_ + b2Cross(commanded_omega_, arm));
-    grip->belt()->SetAngularVelocity(commanded_omega_);
+    grip->Begin(body, mass, commanded_velocity_, commanded_omega_, dt);
     if (mean.vx != 0.0 || mean.vy != 0.0 || mean.omega != 0.0) body.SetAwake(true);
   }
   const Vec2 target = FromBox2D(body.GetWorldCenter()) + displacement_of(body);
@@ -100,7 +96,7 @@ void ArcMotion::Begin(b2Body& body, const Twist& mean, double dt, Grip* grip) {
 }
 
 void ArcMotion::End(b2Body& body, const Twist& at_end, Grip* grip) {
-  if (grip != nullptr) grip->belt()->SetTransform(b2Vec2_zero, 0.0f);
+  if (grip != nullptr) grip->End();
   const b2Vec2 lost = commanded_velocity_ - body.GetLinearVelocity();
   const float lost_omega = commanded_omega_ - body.GetAngularVelocity();
   const bool is_obstructed = lost.Length() > 0.1f * commanded_velocity_.Length() + 1e-3f ||

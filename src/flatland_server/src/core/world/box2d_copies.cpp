@@ -1,6 +1,6 @@
 #include "world/box2d_copies.hpp"
 
-#include "world/box2d_internals.hpp"
+#include "base/box2d_internals.hpp"
 
 namespace flatland::box2d {
 

@@ -7,7 +7,7 @@
 #include "base/to_box2d.hpp"
 #include "sight/segment_tree.hpp"
 #include "sight/visible_fixture.hpp"
-#include "world/box2d_internals.hpp"
+#include "base/box2d_internals.hpp"
 
 namespace flatland {
 namespace {

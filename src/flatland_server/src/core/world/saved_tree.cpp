@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "world/box2d_internals.hpp"
+#include "base/box2d_internals.hpp"
 
 namespace flatland {
 namespace {

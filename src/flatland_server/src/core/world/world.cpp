@@ -8,7 +8,7 @@
 
 #include "base/box2d_limits.hpp"
 #include "base/to_box2d.hpp"
-#include "world/box2d_internals.hpp"
+#include "base/box2d_internals.hpp"
 #include "world/layers.hpp"
 
 namespace flatland {

@@ -1,7 +1,7 @@
 /// World: copies.
 
 #include "world/box2d_copies.hpp"
-#include "world/box2d_internals.hpp"
+#include "base/box2d_internals.hpp"
 #include "world/layers.hpp"
 #include "world/world.hpp"
 #include "world/world_state.hpp"

@@ -14,7 +14,7 @@
 #include "base/archive.hpp"
 #include "base/box2d_limits.hpp"
 #include "world/box2d_copies.hpp"
-#include "world/box2d_internals.hpp"
+#include "base/box2d_internals.hpp"
 #include "world/layers.hpp"
 #include "world/world.hpp"
 
