@@ -26,9 +26,6 @@ _Named = TypeVar("_Named", SweepWorld, Controller)
 def read_scenario_file(path: Path) -> SweepSettings:
     """The content of a scenario file.
 
-    Args:
-        path: the file's path.
-
     Raises:
         YamlError: something in it is wrong; lists everything that was found.
     """

@@ -59,25 +59,27 @@ void ArcMotion::Begin(b2Body& body, const Twist& mean, double dt, Grip* grip) {
   };
   const double rotation = rounding_error_.yaw + displacement.angle;
   double mass = 0.0;
-  thread_local std::vector<b2Body*> group;  // keeps its memory
-  group.assign(1, &body);
-  for (size_t i = 0; i < group.size(); ++i) {
-    b2Body& member = *group[i];
+  const auto carry = [&](b2Body& member, bool turns) {
     mass += member.GetMass();
-    if (grip == nullptr) {
-      member.SetLinearVelocity(ToBox2D(1.0 / dt * displacement_of(member)));
-      member.SetAngularVelocity(static_cast<float>(rotation / dt));
-    }
-    for (b2JointEdge* edge = member.GetJointList(); edge != nullptr; edge = edge->next) {
-      b2Body& other = *edge->other;
-      if (other.GetType() != b2_dynamicBody) continue;
-      if (IsRigid(*edge->joint)) {
-        if (std::find(group.begin(), group.end(), &other) == group.end()) {
+    if (grip != nullptr) return;
+    member.SetLinearVelocity(ToBox2D(1.0 / dt * displacement_of(member)));
+    if (turns) member.SetAngularVelocity(static_cast<float>(rotation / dt));
+  };
+  carry(body, true);
+  if (body.GetJointList() != nullptr) {
+    thread_local std::vector<b2Body*> group;  // keeps its memory
+    group.assign(1, &body);
+    for (size_t i = 0; i < group.size(); ++i) {
+      for (b2JointEdge* edge = group[i]->GetJointList(); edge != nullptr; edge = edge->next) {
+        b2Body& other = *edge->other;
+        if (other.GetType() != b2_dynamicBody) continue;
+        if (IsRigid(*edge->joint)) {
+          if (std::find(group.begin(), group.end(), &other) != group.end()) continue;
           group.push_back(&other);
+          carry(other, true);
+        } else if (IsWheel(*edge->joint, other)) {
+          carry(other, false);
         }
-      } else if (IsWheel(*edge->joint, other)) {
-        mass += other.GetMass();
-        if (grip == nullptr) other.SetLinearVelocity(ToBox2D(1.0 / dt * displacement_of(other)));
       }
     }
   }

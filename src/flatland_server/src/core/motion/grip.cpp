@@ -26,14 +26,13 @@ void PullFreely(b2Body& body, b2Vec2 velocity, float omega, float force, float t
   const float turn_damping = 1.0f + dt * body.GetAngularDamping();
   const b2Vec2 own = body.GetLinearVelocity();
   const float own_omega = body.GetAngularVelocity();
-  b2Vec2 change =
-      velocity - 1.0f / damping * (own + dt * inverse_mass * box2d::Force(body));
+  b2Vec2 change = velocity - 1.0f / damping * (own + dt * inverse_mass * box2d::Force(body));
   const float most = dt * force * inverse_mass, squared = change.LengthSquared();
   if (squared > most * most) change *= most / std::sqrt(squared);
   const float most_turn = dt * torque * inverse_inertia;
-  const float turn = b2Clamp(
-      omega - (own_omega + dt * inverse_inertia * box2d::Torque(body)) / turn_damping, -most_turn,
-      most_turn);
+  const float turn =
+      b2Clamp(omega - (own_omega + dt * inverse_inertia * box2d::Torque(body)) / turn_damping,
+              -most_turn, most_turn);
   body.SetLinearVelocity(own + damping * change);
   body.SetAngularVelocity(own_omega + turn_damping * turn);
 }

@@ -7,9 +7,9 @@ namespace flatland {
 namespace {
 
 constexpr int kMostSides = 4;
-// The cosine of 80 degrees: two points of a wall count separately if they are seen farther apart.
-// On a straight wall, all points that far from the nearest one are more than 5 times as distant;
-// the walls of a right-angled corner both count.
+// The cosine of 80 degrees: two points of walls count separately if their directions differ by
+// more. On a straight wall, points that differ so much from the nearest one are more than 5 times
+// as far away. The two walls of a right-angled corner both count.
 constexpr double kAnotherSide = 0.17364817766693036;
 
 /// A point as seen from another: its distance [m], and the direction away from it.

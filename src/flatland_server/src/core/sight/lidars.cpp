@@ -148,7 +148,7 @@ void Lidars::ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& 
 template <class Choose>
 void Lidars::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& settings,
                     SeenWalls* seen, Choose choose) const {
-  // What was seen last is kept of the layer with most walls.
+  // Only for the layer with most walls, the walls that were seen last are kept.
   const auto is_seen = [&](const Layers::Layer& layer) {
     return (layer.bits & settings.layers) != 0;
   };

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/box2d_internals.hpp"
 #include "base/box2d_limits.hpp"
 #include "base/to_box2d.hpp"
 #include "sight/segment_tree.hpp"
 #include "sight/visible_fixture.hpp"
-#include "base/box2d_internals.hpp"
 
 namespace flatland {
 namespace {
@@ -32,13 +32,13 @@ struct Reach {
   LayerBits layers = 0;
 };
 
-/// How far a body is from where its walls were looked up, along the axis where that is more.
-float WayOf(const BodyRecord& record) {
+/// Distance of a body from where its walls were looked up, along the axis where it is greater.
+float DistanceMoved(const BodyRecord& record) {
   const b2Vec2 way = b2Abs(record.body->GetWorldCenter() - record.nearby.center);
   return std::max(way.x, way.y);
 }
 
-/// Bodies that sleep have the walls that they had, and others have no contacts with walls.
+/// True for awake dynamic bodies. Sleeping ones keep their walls; others do not collide with walls.
 bool MayReachWalls(const BodyRecord& record) {
   return record.body->IsAwake() && record.body->GetType() == b2_dynamicBody;
 }
@@ -106,7 +106,7 @@ void Layers::HoldWallsNearBodies(b2World& world, float dt) {
   for (BodyRecord* const record : bodies_.Moving()) {
     if (!MayReachWalls(*record)) continue;
     const float step = std::min(record->body->GetLinearVelocity().Length() * dt, b2_maxTranslation);
-    if (record->nearby.is_current && WayOf(*record) + step <= record->nearby.room) continue;
+    if (record->nearby.is_current && DistanceMoved(*record) + step <= record->nearby.room) continue;
     const b2Vec2 center = record->body->GetWorldCenter();
     HoldWallsNear(world, *record, {center, center}, room_ + step);
   }
@@ -117,7 +117,8 @@ bool Layers::HoldWallsOnTheWay(b2World& world) {
   bool has_come_far = false;
   for (BodyRecord* const record : bodies_.Moving()) {
     const BodyRecord::Nearby& nearby = record->nearby;
-    if (!MayReachWalls(*record) || (nearby.is_current && WayOf(*record) <= nearby.room)) continue;
+    if (!MayReachWalls(*record) || (nearby.is_current && DistanceMoved(*record) <= nearby.room))
+      continue;
     const b2Sweep& sweep = box2d::Sweep(*record->body);
     HoldWallsNear(world, *record, {b2Min(sweep.c0, sweep.c), b2Max(sweep.c0, sweep.c)}, room_);
     has_come_far = true;
@@ -137,7 +138,7 @@ void Layers::HoldWallsNear(b2World& world, BodyRecord& record, const b2AABB& cen
     nearby_[i]->ForEachBlockAt(box, [&](uint32_t number) { nearby.blocks.push_back({i, number}); });
   }
   HoldWallsOf(world, record, std::move(nearby));
-  // The body looks for the walls, so that not each of them has to.
+  // Box2D searches the new contacts from the body, instead of from each wall.
   box2d::SkipPairsOfNewFixtures(world, moves);
   box2d::FindPairsAgain(*record.body);
 }

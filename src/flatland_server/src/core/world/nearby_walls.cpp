@@ -7,7 +7,7 @@
 namespace flatland {
 namespace {
 
-/// One material in place of one for each wall, if all are equal.
+/// True if all are equal: then one material is kept in place of one for each wall.
 bool AreEqual(const std::vector<Material>& materials) {
   return std::all_of(materials.begin(), materials.end(),
                      [&](const Material& each) { return each == materials.front(); });

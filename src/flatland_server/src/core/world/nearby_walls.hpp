@@ -52,8 +52,8 @@ class NearbyWalls {
   LayerBits layers() const { return layers_; }
   uint32_t owner() const { return owner_; }
 
-  /// Calls `visit(block)`, in ascending order, for the blocks with a wall whose bounding box
-  /// overlaps another one [m].
+  /// Calls `visit(block)`, in ascending order, for the blocks with a wall that has a bounding
+  /// box which overlaps `box` [m].
   template <class Visit>
   void ForEachBlockAt(const Box& box, Visit visit) const {
     walls_->ForEachLeafAt(box, [&](size_t leaf) {
@@ -75,7 +75,7 @@ class NearbyWalls {
   void AppendFixtures(std::vector<b2Fixture*>& fixtures) const;
   /// Exchanges what is held with that of another state of the world.
   void Exchange(Held& held) { held_.swap(held); }
-  /// Takes other walls, while none is held and all have one material.
+  /// Replaces the walls. None must be held, and all must have the same material.
   void Replace(std::shared_ptr<const SegmentTree> walls) { walls_ = std::move(walls); }
   bool IsAtBeginning() const { return held_.empty() && changed_.empty(); }
   int held_block_count() const { return static_cast<int>(held_.size()); }
@@ -96,7 +96,7 @@ class NearbyWalls {
  private:
   /// Gives a wall's fixture its material.
   void Apply(b2Fixture& wall) const;
-  /// Where a block is in `held_`, or would be.
+  /// The position of a block in `held_`, or where it would be inserted.
   Held::iterator Place(uint32_t number);
 
   std::shared_ptr<const SegmentTree> walls_;
