@@ -253,7 +253,7 @@ class SweepRun:
         self.outcome = self.outcome or "returned"
 
     def metrics(self) -> Dict[str, Any]:
-        """The measured values so far, by the names in METRICS; docs/sweeps.md explains them."""
+        """The measured values so far, by the names in METRICS: see docs/reference/sweeps.md."""
         found: Dict[str, Any] = dict.fromkeys(METRICS)
         found["outcome"] = self.outcome
         found["time"] = now = round(self.simulation.time, 9)  # not 2.0300000000000002

@@ -1,4 +1,4 @@
-"""Reads scenario files; docs/sweeps.md describes them."""
+"""Reads scenario files; docs/reference/sweeps.md describes them."""
 
 from dataclasses import replace
 from itertools import product

@@ -74,7 +74,7 @@ class Written(NamedTuple):
     example: Dict[str, Any]
     """The row of the first failed scenario with the most frequent reason; empty if none failed."""
     problems: List[str]
-    """Which files are not there, since a package is missing."""
+    """The files that are left out, since a package is missing."""
 
 
 class Sweep:
