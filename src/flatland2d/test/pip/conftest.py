@@ -44,8 +44,8 @@ def run(*command, **variables):
     """The output of a command; if it fails, so does the test, with its output.
 
     Args:
-        command: its words.
-        variables: its environment's variables.
+        command: the program and its arguments.
+        variables: additional environment variables.
     """
     words = [str(word) for word in command]
     result = subprocess.run(
@@ -106,9 +106,9 @@ class Environment:
         """Builds the wheel of the clone.
 
         Args:
-            folder: for the wheel.
+            folder: folder to write the wheel to.
             build: name of a folder for what is compiled, which stays for the next time.
-            settings: of scikit-build-core.
+            settings: settings of scikit-build-core, such as "cmake.define.NAME=VALUE".
         """
         settings = (f"build-dir={FOLDER / build}", *settings)
         self.pip(

@@ -34,7 +34,7 @@ struct DynamicsLimits {
     visit(deceleration);
     visit(velocity);
   }
-  /// The part of a speed or rate that the velocity limit lets through.
+  /// A speed or rate, clamped to the velocity limit.
   double Limited(double speed) const {
     return velocity > 0.0 && speed > velocity ? velocity : speed;
   }
