@@ -117,8 +117,8 @@ class NavigationWorld:
         greatest = {name: high for name, (_, high) in settings.vary.items()}
         config = with_values(WorldConfig.from_content(content), greatest)
         parked = added.union(names if robots > 1 else ())  # of whose places nothing warns
-        models = (replace(m, reader=None) if m.name in parked else m for m in config.models)
-        config = replace(config, models=tuple(models))
+        entries = (replace(e, reader=None) if e.name in parked else e for e in config.models)
+        config = replace(config, models=tuple(entries))
         with Simulation(config, params=settings.params) as simulation:
             patterns = settings.scatter
             if patterns is None:

@@ -26,7 +26,7 @@ class RobotSimulation(Fleet):
     """
 
     _simulation: Optional[Simulation] = None  # made with the seed of the first episode
-    _values: Mapping[str, float] = {}  # noqa: RUF012 (never changed)
+    _values: Mapping[str, float] = {}
     """Of the numbers that differ between episodes."""
 
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
@@ -44,14 +44,15 @@ class RobotSimulation(Fleet):
         return [state for _ in indices]
 
     def load_states(self, indices: IntArray, states: Sequence[bytes]) -> None:
-        (state,), values = states, {}
+        (state,) = states
+        values: Mapping[str, float] = {}
         if self._settings.vary:
             read = WorldState.loads(state)
             values, state = read.vary or {}, replace(read, vary=None).dumps()
         self._begin(self._open(0, values).load_state(state))
 
     def _open(self, seed: int, values: Mapping[str, float]) -> Simulation:
-        """The simulation of a world with these values, in any state; made with a seed if it is new."""
+        """The simulation with these values, in any state; made with a seed if it is new."""
         if self._simulation is None or values != self._values:
             config, settings = with_values(self._world.config, values), self._settings
             self.close()

@@ -166,8 +166,7 @@ def test_people_without_room_are_told_as_in_a_simulation(world_of):
         try:
             open(seed)
         except FlatlandError as error:
-            assert "room for" in str(error)
-            return True
+            return "room for" in str(error)
         return False
 
     expected = [is_refused(k, lambda seed: Simulation(world, seed=seed).close()) for k in range(16)]

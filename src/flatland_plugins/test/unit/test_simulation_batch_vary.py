@@ -1,4 +1,4 @@
-"""SimulationBatch(vary=...): an environment has the bits of a Simulation whose file has its value."""
+"""SimulationBatch(vary=...): an environment has the bits of a file with its value."""
 
 import copy
 from fnmatch import fnmatchcase

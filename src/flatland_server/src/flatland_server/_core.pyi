@@ -292,9 +292,7 @@ class WorldBatch(metaclass=_Metaclass):
         Raises:
             ValueError: an array does not fit, or a number is not finite. Nothing has changed.
         """
-    def scatter(
-        self, crowd: Crowd, keys: npt.NDArray[np.uint64], mask: BoolArray | None
-    ) -> None:
+    def scatter(self, crowd: Crowd, keys: npt.NDArray[np.uint64], mask: BoolArray | None) -> None:
         """Lets a crowd draw its places at each reset, by a key for each environment (n,).
 
         The batch is of a world before `Crowd.scatter`.
@@ -1380,9 +1378,7 @@ class LinesOfSight(metaclass=_Metaclass):
             lines: x1, y1, x2, y2 [m], shape (n, 4); a line that is not finite is not blocked.
         """
 
-def blocked_lines(
-    walls: Sequence[LinesOfSight], which: IntArray, lines: FloatArray
-) -> BoolArray:
+def blocked_lines(walls: Sequence[LinesOfSight], which: IntArray, lines: FloatArray) -> BoolArray:
     """As `LinesOfSight.blocked`, each line by walls of its own. Releases the GIL.
 
     Args:

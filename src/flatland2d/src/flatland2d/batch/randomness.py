@@ -89,10 +89,8 @@ class BatchRandomness:
         for row, (_, _, each) in zip(self._keys, self._owners):
             core.seed(each, row, mask)
 
-    def scatter(
-        self, core: _core.WorldBatch, chosen: Optional[BoolArray], seeds: IntArray
-    ) -> None:
-        """Lets crowds draw their places in the next reset of environments, with their seeds (n,)."""
+    def scatter(self, core: _core.WorldBatch, chosen: Optional[BoolArray], seeds: IntArray) -> None:
+        """Lets the crowd draw places in the next reset of environments, with their seeds (n,)."""
         if self._scattered is None:
             return
         self._draw(np.ones(len(seeds), bool) if chosen is None else chosen, seeds)

@@ -28,7 +28,7 @@ from flatland2d.batch.robot import (
     require_unchanged_footprints,
     roles_of,
 )
-from flatland2d.batch.variation import Ranges, Variation, ranges_of
+from flatland2d.batch.variation import Variation, ranges_of
 from flatland2d.batch.view import BatchView
 from flatland2d.free_space import FreeSpace
 from flatland2d.robot import Robot, find_robot
@@ -119,7 +119,7 @@ class SimulationBatch:
         lidar: Optional[str] = None,
         threads: int = 1,
         moved: Sequence[str] = (),
-        vary: Ranges = {},
+        vary: Mapping[str, Tuple[float, float]] = {},
         step_size: float = 0.005,
         seed: Union[int, Sequence[int], IntArray] = 0,
         params: Mapping[str, Any] = {},
@@ -179,7 +179,7 @@ class SimulationBatch:
                 )
         self._action_names = self._robot.action_names
         with as_before_scatter(self._world, scattered):
-            core = self._core = make_core(
+            core = make_core(
                 self._world,
                 self._robots,
                 self._num_envs,
@@ -188,6 +188,7 @@ class SimulationBatch:
                 steps=first_step,
                 varied=self._variation.settings,
             )
+        self._core: Optional[_core.WorldBatch] = core
         self._beams = core.beams
         self._steps = np.full(self._num_envs, first_step, np.int64)
         self._parts: Optional[WorldState] = None

@@ -73,7 +73,9 @@ def with_values(config: WorldConfig, values: Mapping[str, float]) -> WorldConfig
         known = [each.name for each in models]
         if not chosen:
             hint = suggestion(pattern, known)
-            raise UsageError(f'vary: there is no model "{pattern}"{hint}; there are: {listed(known)}')
+            raise UsageError(
+                f'vary: there is no model "{pattern}"{hint}; there are: {listed(known)}'
+            )
         for k in chosen:
             if k not in contents:
                 reader = models[k].model.reader
@@ -82,8 +84,8 @@ def with_values(config: WorldConfig, values: Mapping[str, float]) -> WorldConfig
         entries = [_entries(contents[k]) for k in chosen]
         if not any(entry in each for each in entries):
             raise UsageError(
-                f'vary: "{name}" names no plugin, body or joint{suggestion(entry, entries[0])}; the '
-                f"model has: {listed(list(entries[0]))}"
+                f'vary: "{name}" names no plugin, body or joint{suggestion(entry, entries[0])}; '
+                f"the model has: {listed(list(entries[0]))}"
             )
         for each in entries:
             if entry in each:
@@ -237,9 +239,7 @@ class Variation:
         """The world of an environment."""
         return with_values(self._original, self.of(environment) or {})
 
-    def take(
-        self, core: _core.WorldBatch, indices: IntArray, states: Sequence[Any]
-    ) -> FloatArray:
+    def take(self, core: _core.WorldBatch, indices: IntArray, states: Sequence[Any]) -> FloatArray:
         """Gives environments the values of their states, where they have some.
 
         Returns:
@@ -275,43 +275,55 @@ class Variation:
         """Finds the numbers of the core, by worlds with other values."""
         greatest = {name: high for name, (_, high) in self._ranges.items()}
         world = self._loaded(greatest)
-        base, physical = self._numbers(world), len(world.physics.settings)
-        self._count = physical
+        self._count = len(world.physics.settings)
         noises = [_noise_of(each) for each in self._robots(world)]
         for column, (name, (least, high)) in enumerate(self._ranges.items()):
-            lowest = self._loaded({**greatest, name: least})  # raises if it may not be so low
-            if least == high:
-                lowest.close()
-                continue
-            middle = 0.5 * (least + high)
-            other = self._loaded({**greatest, name: middle})
-            found = self._numbers(other)
-            places = np.flatnonzero(found != base) if len(found) == len(base) else np.zeros(0, int)
-            follows = (
-                len(places) > 0
-                and _are_all(found[places], middle)
-                and _are_all(base[places], high)
-                and all(
-                    self._is_equal(world, each, places[places < physical], value)
-                    for each, value in ((other, middle), (lowest, least))
-                )
-            )
-            other.close()
-            lowest.close()
-            if not follows:
+            lower = [
+                (value, self._loaded({**greatest, name: value}))
+                for value in (0.5 * (least + high), least)
+            ]
+            places = self._places(world, high, lower) if least < high else []
+            for _, other in lower:
+                other.close()
+            if places is None:
                 raise UsageError(
-                    f'vary: "{name}" cannot differ between environments from {least:g} to {high:g}; '
-                    "numbers of drives, of lidars, of dampings and of the materials of footprints "
-                    "can, if they do not change what there is"
+                    f'vary: "{name}" cannot differ between environments from {least:g} to '
+                    f"{high:g}; numbers of drives, of lidars, of dampings and of the materials of "
+                    "footprints can, if they do not change what there is"
                 )
-            for place in places.tolist():
-                if place < physical:
+            for place in places:
+                if place < self._count:
                     self.settings.append(place)
                     self._columns.append(column)
                 else:
-                    self._noise_places.append((column, *divmod(place - physical, 3)))
+                    self._noise_places.append((column, *divmod(place - self._count, 3)))
         world.close()
-        self.noises = {robot: np.tile(noises[robot], (count, 1)) for _, robot, _ in self._noise_places}
+        for _, robot, _ in self._noise_places:
+            self.noises[robot] = np.tile(noises[robot], (count, 1))
+
+    def _places(
+        self, world: World, value: float, lower: Sequence[Tuple[float, World]]
+    ) -> Optional[List[int]]:
+        """The indices of the core's numbers that are a value; None if not only these follow it.
+
+        Args:
+            world: with the value.
+            value: of a number in a file.
+            lower: the same world with two other values: one between all, and the least.
+        """
+        middle, other = lower[0]
+        base, found = self._numbers(world), self._numbers(other)
+        if len(found) != len(base):
+            return None
+        places = np.flatnonzero(found != base)
+        physical = places[places < self._count]
+        follows = (
+            len(places) > 0
+            and _are_all(found[places], middle)
+            and _are_all(base[places], value)
+            and all(self._is_equal(world, each, physical, lowered) for lowered, each in lower)
+        )
+        return places.tolist() if follows else None
 
     def _loaded(self, values: Mapping[str, float]) -> World:
         try:

@@ -147,7 +147,8 @@ void SharedWorld::Set(SharedState& state, const double* values) {
       for (const BodyRecord::FixtureRecord& each : record->fixtures) {
         FixtureSettings settings;
         settings.density = each.fixture->GetDensity();
-        if (settings.density != 0.0) sum = sum.With(ComputeMass(*each.fixture->GetShape(), settings));
+        if (settings.density != 0.0)
+          sum = sum.With(ComputeMass(*each.fixture->GetShape(), settings));
       }
       masses.push_back(sum.ToBox2D());
     }

@@ -170,7 +170,7 @@ void WorldBatch::Scatter(World::CrowdHandle crowd, const bool* mask, const uint6
 }
 
 int WorldBatch::Reset(const bool* mask, const double* poses, const BatchRows& rows,
-                       const double* model_poses) {
+                      const double* model_poses) {
   const int64_t numbers = 3 * int64_t{model_count()};  // of a row of model_poses
   const int robots = robot_count();
   for (int row = 0; row < count(); ++row) {

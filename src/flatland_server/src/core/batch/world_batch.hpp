@@ -103,7 +103,7 @@ class WorldBatch {
   /// Throws std::invalid_argument, and changes nothing, for a pose that Box2D cannot compute with.
   /// Returns the first environment in which people have found no places, or -1.
   int Reset(const bool* mask, const double* poses, const BatchRows& rows,
-             const double* model_poses = nullptr);
+            const double* model_poses = nullptr);
   /// Moves the robots that `mask` (count x robots; null: all) chooses to `poses` (count x robots x
   /// 3), and stops them; their commands hold. Throws as Reset does. No row is written.
   void MoveRobots(const bool* mask, const double* poses);

@@ -103,8 +103,8 @@ void Step(PyWorldBatch& self, const Array<double>& actions, int substeps, double
 }
 
 int Reset(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
-           const std::optional<Array<double>>& poses, const py::tuple& out,
-           const std::optional<Array<double>>& model_poses) {
+          const std::optional<Array<double>>& poses, const py::tuple& out,
+          const std::optional<Array<double>>& model_poses) {
   if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
   if (poses) RequireShape(*poses, "poses", self.batch.row_count(), 3);
   if (model_poses) {
@@ -265,18 +265,17 @@ void BindWorldBatch(py::module_& m) {
         return rows;
       });
   py::class_<PyWorldBatch>(m, "WorldBatch")
-      .def(
-          py::init(
-              [](const PyWorld& world, const std::vector<PyRobot>& robots, int count, int threads,
-                 const std::vector<std::pair<std::vector<PyBody>, Triple>>& models, int64_t steps,
-                 const std::vector<int>& varied) {
-                std::vector<BatchRobot> converted;
-                for (const PyRobot& robot : robots) converted.push_back(ToRobot(robot));
-                return std::unique_ptr<PyWorldBatch>(new PyWorldBatch{
-                    {*world.world, converted, count, threads, ToModels(models), steps, varied}});
-              }),
-          py::arg("world"), py::kw_only(), py::arg("robots"), py::arg("count"), py::arg("threads"),
-          py::arg("models"), py::arg("steps") = 0, py::arg("varied") = std::vector<int>())
+      .def(py::init([](const PyWorld& world, const std::vector<PyRobot>& robots, int count,
+                       int threads,
+                       const std::vector<std::pair<std::vector<PyBody>, Triple>>& models,
+                       int64_t steps, const std::vector<int>& varied) {
+             std::vector<BatchRobot> converted;
+             for (const PyRobot& robot : robots) converted.push_back(ToRobot(robot));
+             return std::unique_ptr<PyWorldBatch>(new PyWorldBatch{
+                 {*world.world, converted, count, threads, ToModels(models), steps, varied}});
+           }),
+           py::arg("world"), py::kw_only(), py::arg("robots"), py::arg("count"), py::arg("threads"),
+           py::arg("models"), py::arg("steps") = 0, py::arg("varied") = std::vector<int>())
       .def_property_readonly("beams", [](const PyWorldBatch& self) { return self.batch.beams(); })
       .def("require_actions", &RequireActions, py::arg("actions").noconvert(),
            py::arg("mask").noconvert().none(true))

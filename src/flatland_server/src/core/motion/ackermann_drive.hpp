@@ -130,8 +130,8 @@ class AckermannDrive {
     settings_.steering.ForEachSetting(visit);
     if (settings_.single_track) {
       SingleTrack& car = *settings_.single_track;
-      for (double* each : {&car.mass, &car.inertia, &car.center_of_mass, &car.height,
-                           &car.friction, &car.front_stiffness, &car.rear_stiffness}) {
+      for (double* each : {&car.mass, &car.inertia, &car.center_of_mass, &car.height, &car.friction,
+                           &car.front_stiffness, &car.rear_stiffness}) {
         visit(*each);
       }
     }

@@ -16,7 +16,8 @@ constexpr double kEncounter = 5.0;  // from a robot, at which an encounter begin
 constexpr int kTries = 100;         // to draw a free point
 constexpr double kWallRoom = 0.1;   // of drawn points, beside a person's radius [m]
 constexpr double kOthersRoom = 0.5;
-constexpr double kTolerance = 1e-5;  // of the room of a person: positions are in single precision [m]
+constexpr double kTolerance =
+    1e-5;  // of the room of a person: positions are in single precision [m]
 
 // The forces within groups, see GroupForce [m/s^2]; their vision is that of both eyes.
 constexpr double kGaze = 4.0, kAttraction = 3.0, kGroupRepulsion = 1.0;
