@@ -298,6 +298,8 @@ class EpisodeSampler:
         low, high = settings.obstacle_counts
         count = len(world.scattered) + (int(rng.integers(low, high + 1)) if high else 0)
         discs = (*world.scattered, *world.obstacles)
+        if not discs:
+            return {}
         places = {disc.name: parking_place(number) for number, disc in enumerate(discs)}
         for radius, group in groupby(discs[:count], attrgetter("radius")):
             names = [disc.name for disc in group]
