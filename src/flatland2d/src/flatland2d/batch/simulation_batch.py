@@ -18,7 +18,7 @@ from flatland2d.batch.arguments import (
     walls_of,
 )
 from flatland2d.batch.free_spaces import FreeSpaces
-from flatland2d.batch.noise import BatchNoise
+from flatland2d.batch.noise import BatchNoises
 from flatland2d.batch.observation import BatchObservation
 from flatland2d.batch.plugins import BatchPlugins
 from flatland2d.batch.randomness import as_before_scatter, find_scattered
@@ -207,10 +207,7 @@ class SimulationBatch:
         self._plugins.begin(core, None, self._seeds)
         varies = self._world.config.with_seed or any(each.role.varies_by_seed for each in roles)
         self._only_seed = origin.seed if origin is not None and varies else None
-        self._noises = [
-            BatchNoise(each, self._num_envs, self._variation.noises.get(index))
-            for index, each in enumerate(self._robots)
-        ]
+        self._noise = BatchNoises(self._robots, self._shape, self._variation.noises)
         self._spaces = FreeSpaces(self._world, self._robots)
 
     # Facts
@@ -338,13 +335,11 @@ class SimulationBatch:
         """
         core, plugins = self._require_open(), self._plugins
         arrays = self._arrays(self._rows(out))
-        has_noise = any(self._noises)
 
         def step(commands: FloatArray) -> None:
             plugins.load(core, None, self._seeds, self._steps)
             plugins.step(core, None, None, commands, substeps, self._steps, arrays)
-            if has_noise:
-                self._add_noise(out, None, None)
+            self._add_noise(out, None, None)
 
         return step
 
@@ -365,17 +360,14 @@ class SimulationBatch:
         """
         core, plugins = self._require_open(), self._plugins
         arrays = self._arrays(self._rows(out))
-        has_noise = any(self._noises)
 
         def restart(seeds: IntArray, poses: FloatArray, model_poses: Optional[FloatArray]) -> None:
             plugins.load(core, None, seeds, self._steps)
             plugins.reset(core, None, seeds, poses, arrays, model_poses)
             self._seeds[:] = seeds
             plugins.begin(core, None, self._seeds)
-            if has_noise:
-                for noise in self._noises:
-                    noise.restart(range(self._num_envs))
-                self._add_noise(out, None, None)
+            self._noise.restart(range(self._num_envs))
+            self._add_noise(out, None, None)
 
         return restart
 
@@ -615,8 +607,7 @@ class SimulationBatch:
             self._variation.put(core, former)
             raise StateError(f"the state cannot be loaded: {error}") from None
         self._plugins.own_walls.update((k, walls[numbers[k]]) for k in indices.tolist())
-        for noise in self._noises:
-            noise.restart(np.flatnonzero(seeds != self._seeds).tolist())
+        self._noise.restart(np.flatnonzero(seeds != self._seeds).tolist())
         self._seeds = seeds
         for k, each in zip(indices.tolist(), given):
             self._plugins.restore(k, saved[each])
@@ -780,25 +771,18 @@ class SimulationBatch:
             return
         where = True if mask is None else mask
         np.multiply(self._steps * self._step_nanoseconds, 1e-9, out=rows.times, where=where)
-        if any(self._noises):
-            self._add_noise(rows, mask, driven)
+        self._add_noise(rows, mask, driven)
 
     def _add_noise(
         self, rows: BatchObservation, mask: Optional[BoolArray], driven: Optional[BoolArray]
     ) -> None:
-        nanoseconds = self._steps * self._step_nanoseconds
-        if len(self._noises) == 1:
-            ranges = rows.ranges.reshape(self._num_envs, -1)
-            self._noises[0].add(ranges, self._seeds, nanoseconds, mask)
-            return
-        of_robots = None if driven is None else driven.reshape(self._shape)
-        for index, noise in enumerate(self._noises):
-            noise.add_to_slice(rows.ranges, index, self._seeds, nanoseconds, of_robots)
+        if self._noise:
+            nanoseconds = self._steps * self._step_nanoseconds
+            self._noise.add(rows.ranges, self._seeds, nanoseconds, mask, driven)
 
     def _change_seeds(self, seeds: Optional[IntArray], mask: Optional[BoolArray]) -> None:
         if seeds is None:
             return
         chosen = np.arange(self._num_envs) if mask is None else np.flatnonzero(mask)
         self._seeds[chosen] = seeds[chosen]
-        for noise in self._noises:
-            noise.restart(chosen.tolist())
+        self._noise.restart(chosen.tolist())
