@@ -335,6 +335,15 @@ def test_a_drag_is_undone(window):
     window.waiting(lambda: is_at(window, "crate", *CRATE), "the undo")
 
 
+def test_a_model_with_its_origin_aside_follows_the_mouse(window, office):
+    """The car's origin is at its rear axle."""
+    window.ros.spawn(office.parent / "racetrack/racecar.model.yaml", "car", 3.0, -1.5)
+    window.waiting(lambda: is_at(window, "car", 3.0, -1.5), "the car")
+    window.drag(window.map.pixel(3.2, -1.5), window.map.pixel(2.4, -0.5))
+    window.waiting(lambda: is_at(window, "car", 2.2, -0.5), "the drag")
+    window.ros.call("/delete_model", name="car")
+
+
 def test_a_model_is_deleted_by_its_menu_and_comes_back(window):
     window.open_menu(*CRATE)
     window.screen.key("e")

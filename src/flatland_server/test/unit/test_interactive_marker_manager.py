@@ -28,8 +28,9 @@ class Handles:
     def update(self):
         self._manager.update()
 
-    def send(self, event, x=0.0, name="a", client="rviz"):
+    def send(self, event, x=0.0, name="a", client="rviz", control="drag"):
         feedback = Feedback(marker_name=name, event_type=event, client_id=client)
+        feedback.control_name = control
         feedback.pose.position.x, feedback.pose.orientation.w = x, 1.0
         self.transport.send(f"{TOPIC}/feedback", feedback)
         self.transport.process()
@@ -97,6 +98,15 @@ def test_a_dragged_model_belongs_to_its_client(handles, updates):
     assert [(each.name, each.pose.position.x) for each in update.poses] == [("a", 1.5)]
     handles.send(Feedback.MOUSE_UP, 2.0, client="other")
     assert handles.x == 2.0
+
+
+@pytest.mark.parametrize(("control", "x"), [("drag", 0.5), ("origin", 1.0)])
+def test_a_drag_moves_the_centre_in_rviz_and_the_origin_in_the_window(handles, control, x):
+    handles.server.world.models["a"].set_footprint("base", 0, Circle((0.5, 0.0), 0.2))
+    handles.update()
+    for event in (Feedback.MOUSE_DOWN, Feedback.POSE_UPDATE, Feedback.MOUSE_UP):
+        handles.send(event, 1.0, control=control)
+    assert handles.x == x
 
 
 def test_a_drag_is_one_edit(handles):

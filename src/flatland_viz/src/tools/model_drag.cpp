@@ -74,6 +74,7 @@ void ModelDrag::Send(std::uint8_t event) {
   feedback.header.frame_id = WorldPlane::kFrame;
   feedback.client_id = ros::this_node::getName();
   feedback.marker_name = model_;
+  feedback.control_name = "origin";  // of the model, not the marker's place
   feedback.event_type = event;
   feedback.pose.position.x = pose_.x;
   feedback.pose.position.y = pose_.y;

@@ -25,6 +25,9 @@ MenuEntry = get("visualization_msgs/MenuEntry")
 logger = logging.getLogger(__name__)
 
 _DELETE = 1
+_ORIGIN = "origin"
+"""The control of feedback with the pose of a model's origin, from the window; rviz sends the pose of
+the marker, which is at the centre of the footprints."""
 _HANDLE_Z = 0.05
 """The height of handles [m]: above the outlines of models, since the mouse picks the topmost."""
 
@@ -164,9 +167,10 @@ class InteractiveMarkerManager:
             drag.updated = time.monotonic()
 
     def _move(self, name: str, feedback: Any, drag: _Drag) -> None:
-        centre = self._shown[name].centre
         position, yaw = feedback.pose.position, yaw_of(feedback.pose.orientation)
-        pose = Pose(position.x, position.y, yaw).compose(centre.inverse())
+        pose = Pose(position.x, position.y, yaw)
+        if feedback.control_name != _ORIGIN:
+            pose = pose.compose(self._shown[name].centre.inverse())
         try:
             drag.edit = self._edits.move(name, pose, drag.edit)
         except FlatlandError as error:  # outside the limits of the world: the model stays
