@@ -177,6 +177,7 @@ def end(processes):
         process = processes.pop()
         process.kill()
         process.wait()
+        print(process.log.read_text())
 
 
 @pytest.fixture(scope="module")

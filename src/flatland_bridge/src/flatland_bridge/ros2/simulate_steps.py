@@ -40,7 +40,7 @@ class SimulateSteps:
             node,
             self._type,
             NAME[1:],
-            None,  # ends each goal with a function of its own
+            lambda goal: None,  # each goal has a function of its own that ends it
             goal_callback=self._accept,
             cancel_callback=lambda goal: CancelResponse.ACCEPT,
         )
