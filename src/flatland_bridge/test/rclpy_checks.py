@@ -183,7 +183,9 @@ def end(processes):
 @pytest.fixture(scope="module")
 def server(starts):
     """One server for several tests."""
-    return starts[0](show_viz=True, map=True, odom_topic="odom", initial_pose="robot", seed=7)
+    of_launch_file = {"control_period": "''", "no_return": "inf"}
+    given = {"map": True, "odom_topic": "odom", "initial_pose": "robot", "seed": 7}
+    return starts[0](**{"show_viz": True, **of_launch_file, **given})
 
 
 @pytest.fixture
