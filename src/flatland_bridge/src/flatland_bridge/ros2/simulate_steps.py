@@ -10,13 +10,12 @@ from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.node import Node
 
 from flatland_bridge import simulation_types
-from flatland_bridge.client_calls import reason_of
 from flatland_bridge.graph import Graph
 from flatland_bridge.ros2.types import interface
 from flatland_bridge.simulation_results import Result
 
 NAME = "/simulate_steps"
-_SERVICE = "/step_simulation"
+_REQUEST = simulation_types.service("StepSimulation").request(steps=1)
 
 logger = logging.getLogger(__name__)
 
@@ -62,41 +61,30 @@ class SimulateSteps:
         threading.Thread(target=self._execute, args=(goal,), name="steps", daemon=True).start()
 
     def _execute(self, goal: Any) -> None:
-        """Makes the steps, on a thread of their own."""
-        result = self._type.Result().result
+        """Makes steps until the goal is reached or cancelled, or one fails."""
+        result, count = self._type.Result(), goal.request.steps
+        result.result.result = Result.RESULT_OK
         with suppress(Exception):  # the node has ended
-            self._step(goal, result)
+            for done in range(1, count + 1):
+                made = self._graph.call("/step_simulation", _REQUEST).result
+                if goal.is_cancel_requested:
+                    made = Result(Result.RESULT_OPERATION_FAILED, f"cancelled after {done} steps")
+                if made.result != Result.RESULT_OK:
+                    result.result.result = made.result
+                    result.result.error_message = made.error_message
+                    break
+                goal.publish_feedback(
+                    self._type.Feedback(completed_steps=done, remaining_steps=count - done)
+                )
             self._end(goal, partial(self._finish, result))
-
-    def _step(self, goal: Any, result: Any) -> None:
-        """Makes steps until a goal is reached or cancelled, or one fails."""
-        request = simulation_types.service("StepSimulation").request(steps=1)
-        result.result, left = Result.RESULT_OK, goal.request.steps
-        for done in range(1, left + 1):
-            if goal.is_cancel_requested:
-                result.result = Result.RESULT_OPERATION_FAILED
-                result.error_message = f"cancelled after {done - 1} steps"
-                return
-            try:
-                made = self._graph.call(_SERVICE, request).result
-                result.result, result.error_message = made.result, made.error_message
-            except Exception as error:  # the client would wait for ever
-                result.result = Result.RESULT_OPERATION_FAILED
-                result.error_message = reason_of(error, NAME)
-            if result.result != Result.RESULT_OK:
-                return
-            left -= 1
-            goal.publish_feedback(
-                self._type.Feedback(completed_steps=done, remaining_steps=left)
-            )
 
     def _finish(self, result: Any, goal: Any) -> Any:
         """The result of a goal, which it ends; on the executor's thread."""
         self._is_busy = False
-        if result.result == Result.RESULT_OK:
+        if result.result.result == Result.RESULT_OK:
             goal.succeed()
         elif goal.is_cancel_requested:
             goal.canceled()
         else:
             goal.abort()
-        return self._type.Result(result=result)
+        return result
