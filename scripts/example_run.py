@@ -29,7 +29,7 @@ class ExampleRun:
     """Runs an example.
 
     Args:
-        name: its folder.
+        name: name of its folder in examples/.
         arguments: of its launch file, such as "robots:=2".
     """
 

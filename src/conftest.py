@@ -84,9 +84,9 @@ class Launch:
 
     Args:
         arguments: of the command; `-p` with a free port is added if there is none.
-        output: the file for its output.
-        display: the X display.
-        command: the program.
+        output: file that gets the output.
+        display: the X display, such as ":51".
+        command: path of the program.
         port: the master's port.
         with_port: whether `-p` is added; without, ROS_MASTER_URI says which master is used.
         environment: additional variables.

@@ -121,7 +121,7 @@ def table(
     """The rows: rates, how many times a peer's Flatland's are, and the share of wrong ranges.
 
     Args:
-        cases: the columns.
+        cases: the cases, a column each.
         rates: of each round [robot-steps/s], by simulator and case.
         wrong: shares of wrong ranges, by simulator.
     """

@@ -19,8 +19,8 @@ class Room:
     """Robots in one world, which see and hit each other.
 
     Args:
-        robots: how many.
-        seed: the scenario's seed.
+        robots: number of robots.
+        seed: seed of the robots' places and commands; see `Scenario`.
         substeps: physics steps in a step.
     """
 
@@ -61,8 +61,8 @@ class Batch:
     """Robots in worlds of their own.
 
     Args:
-        robots: how many.
-        seed: the scenario's seed.
+        robots: number of robots.
+        seed: seed of the robots' places and commands; see `Scenario`.
         substeps: physics steps in a step.
     """
 

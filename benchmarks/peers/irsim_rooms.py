@@ -20,8 +20,8 @@ class Room:
     """Robots in one world.
 
     Args:
-        robots: how many.
-        seed: the scenario's seed.
+        robots: number of robots.
+        seed: seed of the robots' places and commands; see `Scenario`.
         collisions: the world's `collision_mode`.
     """
 
@@ -58,8 +58,8 @@ class Batch:
     Its obstacles are not read from the file; they are the same for all robots.
 
     Args:
-        robots: how many.
-        seed: the scenario's seed.
+        robots: number of robots.
+        seed: seed of the robots' places and commands; see `Scenario`.
         collisions: ignored: the batch only reports collisions, and robots drive on.
     """
 

@@ -22,8 +22,8 @@ class Batch:
     """Robots, each alone in the room, which is the same for all.
 
     Args:
-        robots: how many.
-        seed: of the scenario.
+        robots: number of robots.
+        seed: seed of the robots' places and commands; see `Scenario`.
     """
 
     def __init__(self, robots: int, seed: int) -> None:

@@ -27,8 +27,8 @@ class Rooms:
     """Environments with robots, which all have the same map.
 
     Args:
-        scenario_: of all robots.
-        count: of the environments.
+        scenario_: the room, with the robots of all environments.
+        count: number of environments.
     """
 
     def __init__(self, scenario_: Scenario, count: int) -> None:

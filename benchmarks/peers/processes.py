@@ -68,7 +68,7 @@ class Process:
     """A process that measures a simulator; see worker.py.
 
     Args:
-        simulator: what it measures.
+        simulator: the simulator to measure.
 
     Raises:
         PeerError: it cannot be installed, or does not start.

@@ -32,8 +32,8 @@ class Scenario:
     """The room with some robots; the same for equal arguments.
 
     Args:
-        robots: how many.
-        seed: of all places and commands.
+        robots: number of robots.
+        seed: seed of the robots' places and commands.
         rooms: 1, or as many as robots: each has a room of its own, and robots may overlap.
 
     Attributes:

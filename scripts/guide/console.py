@@ -47,8 +47,8 @@ class Shell:
     """A bash that keeps its folder and variables from one command to the next.
 
     Args:
-        folder: where it begins.
-        environment: its variables.
+        folder: working directory at the start.
+        environment: environment variables at the start.
     """
 
     def __init__(self, folder: Path, environment: Mapping[str, str]) -> None:

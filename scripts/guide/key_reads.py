@@ -187,12 +187,12 @@ def _type(read: Read) -> str:
         "get_frame": "frame",
         "get_name": "name",
         "get_frame_id": "frame",
-        "get_rate": "number > 0, or `inf`",
+        "get_rate": "> 0, or `inf`",
         "get_bool": "boolean",
         "get_pose": "`[x, y, yaw]`",
         "get_point": "`[x, y]`",
         "get_color": "`[r, g, b, alpha]`",
-        "get_strings": "string, or list of strings",
+        "get_strings": "string or list",
         "get_path": "file",
         "get_section": "map",
         "get_sections": "list of maps",
@@ -204,13 +204,18 @@ def _type(read: Read) -> str:
     if read.getter in simple:
         return simple[read.getter]
     special: Dict[str, Callable[[], str]] = {
-        "get_float": lambda: f"number{_bounds(options)}",
+        "get_float": lambda: _bounds(options).lstrip(" ,") or "number",
         "get_int": lambda: f"whole number{_bounds(options)}",
         "get_choice": lambda: _choice(options["choices"]),
         "get_floats": lambda: f"{options['length']} numbers{_bounds(options)}",
-        "get_points": lambda: f"{options['minimum']} to {options['maximum']} points `[x, y]`",
+        "get_points": lambda: f"{_span(options)} points `[x, y]`",
     }
     return special[read.getter]()
+
+
+def _span(options: Dict[str, Any]) -> str:
+    counts = (options["minimum"], options["maximum"])
+    return " to ".join(map(str, sorted(set(counts))))
 
 
 def _choice(words: Sequence[str]) -> str:

@@ -36,7 +36,7 @@ class PageRun:
     Args:
         page: the Markdown file.
         folder: an empty one.
-        environment: for its shell.
+        environment: environment variables of its shell.
         has_ros: whether ROS is installed; if not, parts that need it are left out.
     """
 
@@ -76,12 +76,7 @@ class PageRun:
             self._shell.close()
 
     def _run_block(self, block: Block, output: str) -> None:
-        """Runs a block.
-
-        Args:
-            block: the block.
-            output: its expected output, shown after it.
-        """
+        """Runs a block."""
         is_missing = block.need and importlib.util.find_spec(block.need) is None
         if block.is_output or block.note("not run:") or is_missing:
             return

@@ -26,10 +26,11 @@ from key_reads import Key
 from node_parameters import parameters_of
 
 ROOT = Path(__file__).resolve().parents[2]
-HEADER = "| key | type | unit | default | meaning |\n| --- | --- | --- | --- | --- |\n"
+HEADER = "| key | type | default | meaning |\n| --- | --- | --- | --- |\n"
+UNIT = re.compile(r" \[[^]`]+\]$")
 MARK = re.compile(r"<!-- (keys|arguments|parameters) of ([^>]+) -->\n((?:\|.*\n)*)")
-RESULT = re.compile(r"^(bool success|string message) +# (?:(?:to )?check|error .*such as).*$", re.M)
-"""The result of a service, with a comment that says no more than the page does of all of them."""
+RESULT = re.compile(r"(?<=^---\n)bool success.*\nstring message.*\n?", re.M)
+"""The result of a service, which the page explains once for all of them."""
 DEFINITIONS = re.compile(r"<!-- definitions of (\w+) (\w+) -->\n(.*?)<!-- end -->", re.DOTALL)
 
 
@@ -63,7 +64,7 @@ def problems(text: str) -> List[str]:
             cells = _cells(row)
             if not cells[-1]:
                 found.append(f"{match[2]}: {cells[0]}: a meaning is missing")
-            if match[1] == "keys" and not cells[3]:
+            if match[1] == "keys" and not cells[2]:
                 found.append(f"{match[2]}: {cells[0]}: the default depends on other keys: say how")
     return found
 
@@ -89,14 +90,15 @@ def _keys(subject: str, rows: str) -> str:
     keys = keys_of(subject)
     order = {name: place for place, name in enumerate(written)}
     keys.sort(key=lambda key: order.get(key.name, len(order)))
-    return HEADER + "".join(_row(key, written.get(key.name, ["", "", "", "", ""])) for key in keys)
+    return HEADER + "".join(_row(key, written.get(key.name, [""] * 4)) for key in keys)
 
 
 def _row(key: Key, written: Sequence[str]) -> str:
-    in_words = written[3] if re.fullmatch(r"\*[^*]+\*", written[3]) else ""
+    in_words = written[2] if re.fullmatch(r"\*[^*]+\*", written[2]) else ""
     is_literal = key.default and not key.default.startswith("*") and key.default != "none"
     default = f"`{key.default}`" if is_literal else key.default or in_words
-    cells = (f"`{key.name}`", key.type, key.unit or written[2], default, written[4])
+    unit = f" [{key.unit}]" if key.unit else "".join(UNIT.findall(written[1]))
+    cells = (f"`{key.name}`", f"{key.type}{unit}", default, written[3])
     return "|" + "|".join(f" {cell} " if cell else " " for cell in cells) + "|\n"
 
 
@@ -132,7 +134,7 @@ def _parameters(subject: str, rows: str) -> str:
 def _definitions(package: str, kind: str) -> str:
     text = ""
     for path in sorted((ROOT / "src" / package / kind).glob(f"*.{kind}")):
-        definition = RESULT.sub(r"\1", path.read_text(encoding="utf-8").rstrip())
+        definition = RESULT.sub("", path.read_text(encoding="utf-8")).rstrip()
         text += f"\n### {path.stem}\n\n```text\n{definition}\n```\n"
     return text + "\n"
 

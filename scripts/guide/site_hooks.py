@@ -1,4 +1,4 @@
-"""Makes a site of docs/ and examples/, whose pages are written for a forge.
+"""Makes a site of docs/ and examples/. Their pages are written for a forge.
 
 The site has docs/ as its root, and examples/ in it. Links that lead out of both become the names
 of files.

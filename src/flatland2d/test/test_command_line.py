@@ -107,7 +107,7 @@ def test_files_are_checked(folder, capsys):
     assert lines[1] == "world.yaml: 0 layers, 0 segments, 1 model, 1 body, 2 plugins"
 
 
-def test_what_is_wrong_is_a_line_with_its_place(folder, capsys):
+def test_a_problem_is_one_line_with_its_place(folder, capsys):
     (folder / "world.yaml").write_text("properties: {}\nlayers: []\nmodles: []\n")
 
     assert main(["check", "world.yaml"]) == 1
@@ -271,9 +271,7 @@ def test_ctrl_c_ends_a_run_with_what_was_done(folder, arguments, number, code):
 @pytest.mark.parametrize(
     ("output", "reason"), [(">&-", "it is closed"), ("> /dev/full", "No space left on device")]
 )
-def test_an_output_that_cannot_be_written_is_a_line_and_an_exit_code(
-    folder, arguments, output, reason
-):
+def test_an_unwritable_output_is_one_line_and_exit_code_1(folder, arguments, output, reason):
     if (arguments, output) == ("--version", ">&-"):
         pytest.skip("argparse prints it on standard error then")
     shell = f"{shlex.quote(sys.executable)} -m flatland2d {arguments} {output}"

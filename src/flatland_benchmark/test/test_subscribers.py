@@ -41,7 +41,7 @@ def test_a_subscriber_to_a_hundred_robots_is_connected(tmp_path):
         )
 
 
-def test_all_ends_with_the_server(tmp_path):
+def test_all_processes_end_with_the_server(tmp_path):
     with ServerProcess(write_world(tmp_path, WORLDS, 1), update_rate=200) as server:
         subscriber = server.subscribe("subscriber", "--robots")
 
@@ -51,7 +51,7 @@ def test_all_ends_with_the_server(tmp_path):
     assert processes_under(server.uri) == []
 
 
-def test_all_ends_with_a_benchmark_that_is_killed(tmp_path):
+def test_all_processes_end_with_a_killed_benchmark(tmp_path):
     world = write_world(tmp_path, WORLDS, 1)
     benchmark = subprocess.Popen(
         [sys.executable, "-c", BENCHMARK, str(world)],

@@ -30,7 +30,7 @@ def benchmark(run, master):
     return start
 
 
-def test_a_world_is_run_for_the_duration_and_its_speed_is_reported(benchmark):
+def test_a_world_runs_for_the_duration_and_reports_its_speed(benchmark):
     output = benchmark(f"world_path:={WORLD}", "benchmark_duration:=2", "step_size:=0.01")
 
     [(simulated, real, factor, steps)] = SPEED.findall(output)

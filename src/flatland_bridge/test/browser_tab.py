@@ -115,7 +115,7 @@ class Tab:
         wait_until(lambda: self.value("window.texts.robot"), "the robot's picture")
 
     def pixel(self, x, y):
-        """Where a point of the world is, as long as the view is as at first."""
+        """The pixel of a point of the world, as long as the view is as at first."""
         left, top, width, height = self.value(
             "(({x, y, width, height}) => [x, y, width, height])"
             "(document.getElementById('view').getBoundingClientRect())"

@@ -71,7 +71,7 @@ class Peer:
         self.node = rclpy.create_node("peer", **options)
 
     def wait_until(self, is_true, what):
-        """What a condition returns, as soon as it is true."""
+        """Waits until a condition is true, and returns its value."""
         ends = time.monotonic() + LIMIT
         while time.monotonic() < ends:
             result = is_true()
@@ -474,7 +474,7 @@ def test_after_sigkill_it_leaves_the_graph_with_its_lease(start, peer, tmp_path,
         ({"cmd_vel_type": "Joy"}, "expected Twist or TwistStamped, found Joy"),
     ],
 )
-def test_what_is_wrong_is_told(start, parameters, text):
+def test_wrong_parameters_end_the_node_with_a_reason(start, parameters, text):
     process = start(**parameters)
     assert process.wait(LIMIT) == 1
     assert text in process.log.read_text()

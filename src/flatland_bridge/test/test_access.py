@@ -1,4 +1,4 @@
-"""Who may connect, what they may read, and what slow and hostile clients cost."""
+"""Access to the bridge and to files, and the cost of slow and hostile clients."""
 
 import hashlib
 import json
@@ -197,7 +197,7 @@ def test_a_stalled_client_costs_bounded_memory(world):
         "GET / HTTP/1.1\r\nUpgrade: websocket\r\nOrigin: http://[",
     ],
 )
-def test_a_request_that_is_none_is_refused_as_such(world, lines):
+def test_a_malformed_request_is_refused(world, lines):
     with running(world, is_paused=True, access=Access(token="secret")) as server:
         each = socket.create_connection(("127.0.0.1", server.clients.ports[ROSBRIDGE]))
         each.sendall(f"{lines}\r\n\r\n".encode("latin-1"))

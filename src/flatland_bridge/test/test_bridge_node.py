@@ -117,7 +117,7 @@ def test_viewers_of_foxglove_do_too(bridge):
     assert not answer["success"]
 
 
-def test_clients_get_the_time_that_the_node_has_subscribed_to_itself(bridge):
+def test_clients_get_clock_although_the_node_subscribes_to_it(bridge):
     client, other = Client(bridge), Client(bridge)
     client.subscribed("/clock")
     other.subscribed("/clock", compression="cbor")
@@ -172,7 +172,7 @@ def test_an_advertised_topic_ends_with_its_last_client(bridge):
     wait_until(lambda: not is_there(), "the topic to end")
 
 
-def test_a_publisher_that_was_not_advertised_ends_with_its_client(master, bridge):
+def test_an_implicit_publisher_ends_with_its_client(master, bridge):
     master.ask("registerSubscriber", "/note", "std_msgs/String", "http://127.0.0.1:9/")
     client = Client(bridge)
     wait_until(lambda: "/note" in types_of(client), "the topic")
@@ -276,7 +276,7 @@ def test_a_server_that_is_stopped_does_not_delay_the_node(start_server, start_br
     wait_until(lambda: client.call("/pause")["result"], "its services")
 
 
-def test_calls_of_a_server_that_stops_end_and_do_not_hold_up_others(start_server, start_bridge):
+def test_calls_to_a_stopped_server_fail_and_delay_no_others(start_server, start_bridge):
     server = start_server()
     bridge = start_bridge()
     client, other = Client(bridge), Client(bridge)

@@ -81,7 +81,7 @@ def test_a_wrong_field_is_answered(client, message, expected):
 
 
 @pytest.mark.parametrize("size", ["x", 0.5])
-def test_a_call_whose_answer_has_no_form_fails(client, size):
+def test_a_call_with_an_answer_that_has_no_form_fails(client, size):
     client.send("call_service", service="/pause", id="7", fragment_size=size)
 
     answer = client.receive_until(lambda each: each["op"] == "service_response")

@@ -184,7 +184,7 @@ def sample(number, size, *, is_latched=False):
     return Sample("/x", number, None, data=bytes(size), is_latched=is_latched)
 
 
-def test_what_does_not_fit_is_dropped_except_for_latched_messages():
+def test_messages_beyond_the_budget_are_dropped_unless_latched():
     budget = Budgets(10_000).open()
     maps, scans = (Stream(None, lambda: None, budget) for _ in range(2))
     for number in range(50):
@@ -226,7 +226,7 @@ def test_nothing_is_kept_for_a_stream_that_is_closed():
     assert budget.used == 0
 
 
-def test_of_all_clients_the_one_with_the_most_has_to_go():
+def test_the_client_that_takes_most_memory_is_disconnected():
     reasons = {}
     budgets = Budgets(1000)
     clients = [budgets.open(lambda text, n=n: reasons.setdefault(n, text)) for n in range(17)]
@@ -291,7 +291,7 @@ def test_a_client_ends_the_step_for_which_it_waits(client):
     assert answers["pause"] == {}
 
 
-def test_a_client_with_a_call_that_goes_on_counts_after_it_has_left(server, client, monkeypatch):
+def test_a_client_counts_until_its_last_call_has_ended(server, client, monkeypatch):
     goes_on, has_begun = threading.Event(), threading.Event()
 
     def action(request):
@@ -311,7 +311,7 @@ def test_a_client_with_a_call_that_goes_on_counts_after_it_has_left(server, clie
     wait_until(lambda: len(budgets) == 1, "the call to end")
 
 
-def test_a_caller_stays_if_the_client_that_offers_a_service_does_not_read(server, client):
+def test_a_stalled_provider_does_not_disconnect_its_caller(server, client):
     provider = stalled(server)
     provider.send("advertise_service", service="/never", type="std_srvs/SetBool")
     provider.call("/rosapi/nodes")
@@ -356,7 +356,7 @@ class Name(str):
         return str.__hash__(self)
 
 
-def test_subscribers_come_and_go_while_the_simulation_looks_at_them(server):
+def test_subscriptions_may_change_while_they_are_gathered(server):
     """Another thread subscribes and leaves exactly while the subscribed topics are gathered."""
     graph, transport = server.graph, server.transport
     simulation = transport.call(threading.current_thread)
@@ -436,9 +436,7 @@ def test_large_messages_that_do_not_fit_are_refused(server, client):
 
 
 @pytest.mark.parametrize(("compression", "value"), [("none", 10**30), ("cbor-raw", 300)])
-def test_a_message_that_cannot_be_encoded_is_left_out_and_reported_once(
-    server, client, compression, value
-):
+def test_an_unencodable_message_is_skipped_and_reported_once(server, client, compression, value):
     number = get("std_msgs/UInt8")
     publisher = server.transport.call(
         lambda: server.transport.advertise("/odd", number, latch=False, queue_size=1)

@@ -109,7 +109,7 @@ def test_models_are_driven_spawned_dragged_saved_and_undone(world, open_tab, scr
         wait_until(lambda: tab.text("banner") == "", "the end of the pause")
 
 
-def test_what_the_server_does_not_offer_is_disabled(server, tab, monkeypatch):
+def test_buttons_without_their_service_are_disabled(server, tab, monkeypatch):
     for name in ("/undo", "/redo"):
         monkeypatch.delitem(server.graph._services, name, raising=False)
     tab.open(server)
@@ -140,7 +140,7 @@ def test_a_copy_is_saved_of_a_world_that_is_not_the_users(world, tab, tmp_path, 
     assert yaml.safe_load((tmp_path / "copy.yaml").read_text())["models"][0]["pose"] == [1, 0, 0]
 
 
-def test_the_past_is_shown_with_its_scans_and_the_run_goes_on_from_there(world, tab):
+def test_the_page_seeks_shows_old_scans_and_resumes_from_there(world, tab):
     with running(world, with_history=True) as server:
         tab.open(server)
         tab.press("ArrowUp")
@@ -173,7 +173,7 @@ def test_the_past_is_shown_with_its_scans_and_the_run_goes_on_from_there(world, 
         assert server.manager.timekeeper.seconds < end
 
 
-def test_the_trail_shows_where_the_odometry_believes_to_have_been(world, tab):
+def test_the_trail_shows_the_poses_of_the_odometry(world, tab):
     with running(world) as server:
         tab.open(server)
         tab.press("t")

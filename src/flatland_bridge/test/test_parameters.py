@@ -78,7 +78,7 @@ def test_clients_set_search_and_delete_parameters(client):
     check_parameters(client, "/flatland_server")
 
 
-def test_parameters_of_clients_and_of_the_command_line_are_those_of_models(world):
+def test_models_use_parameters_of_clients_and_command_line(world):
     (world.parent / "sized.model.yaml").write_text(MODEL)
     with running(world, is_paused=True, params={"robot": {"radius": -1.0}, "odd": {1: None}}) as it:
         client = Client(it)

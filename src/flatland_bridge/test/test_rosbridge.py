@@ -68,7 +68,7 @@ def test_a_latched_message_reaches_each_new_client(server, client):
         assert walls["layers"][0]["segments"] == [-5, 5, 5, 5, 5, -5, 5, 5]
 
 
-def test_a_long_message_comes_in_fragments_and_is_sent_in_fragments(client):
+def test_long_messages_are_fragmented_in_both_directions(client):
     client.subscribed("/scan", fragment_size=500).call("/step", steps=20)
     first = client.receive_until(lambda each: each["op"] == "fragment")
     parts = [first]
@@ -86,7 +86,7 @@ def test_a_long_message_comes_in_fragments_and_is_sent_in_fragments(client):
     assert response["values"] == {"nodes": ["/flatland_server"]}
 
 
-def test_parts_of_two_messages_of_one_id_are_told_apart_by_their_number(client):
+def test_fragments_of_two_messages_with_one_id_are_told_apart(client):
     client.send("fragment", id="f", num=4, total=5, data="x")
     for number, data in enumerate(('{"op": "call_service", ', '"service": "/rosapi/topics"}')):
         client.send("fragment", id="f", num=number, total=2, data=data)

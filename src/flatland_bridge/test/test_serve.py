@@ -82,7 +82,7 @@ def test_a_port_in_use_is_named(world, capsys):
 
 
 @pytest.mark.parametrize("command", ["serve", "view"])
-def test_what_is_missing_is_named(world, capsys, monkeypatch, command):
+def test_a_missing_package_is_named(world, capsys, monkeypatch, command):
     for name in [name for name in sys.modules if name.startswith("flatland_bridge")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "orjson", None)
@@ -132,7 +132,7 @@ def memory(process):
         return int(re.search(r"VmRSS:\s+(\d+)", file.read())[1]) / 1000
 
 
-def test_the_memory_of_clients_that_do_not_read_is_bounded_and_returns(serve):
+def test_stalled_clients_take_bounded_memory_and_return_it(serve):
     process, addresses = serve("--paused", "--client-memory", "4")
     url, topics = addresses["rosbridge"], [f"/t{number}" for number in range(3)]
     before = memory(process)

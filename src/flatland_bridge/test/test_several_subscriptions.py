@@ -36,7 +36,7 @@ def received(client):
     return sum(stamp in times for stamp in stamps)
 
 
-def test_the_lowest_throttle_counts_as_long_as_its_subscription_lasts(driver):
+def test_the_lowest_throttle_rate_of_live_subscriptions_counts(driver):
     found = [received(driver)]
     for op, options in (
         ("subscribe", {"id": "b", "throttle_rate": RARE}),
@@ -59,7 +59,7 @@ def test_the_lowest_throttle_counts_as_long_as_its_subscription_lasts(driver):
     assert found == [20, 20, 20, 20, 0, 1, 20, 0, 20, 20, 20, 20, 0]
 
 
-def test_the_longest_queue_counts_and_flows_when_the_throttle_ends(driver):
+def test_the_longest_queue_counts_and_drains_without_throttle(driver):
     driver.send("unsubscribe", topic=ODOMETRY)
     for name, length in (("a", 2), ("b", 7), ("c", 1)):
         driver.subscribed(ODOMETRY, id=name, throttle_rate=RARE, queue_length=length)
@@ -74,7 +74,7 @@ def test_the_longest_queue_counts_and_flows_when_the_throttle_ends(driver):
     assert received(driver) == 20
 
 
-def test_the_smallest_fragments_and_the_strongest_compression_count(client):
+def test_the_smallest_fragment_and_best_compression_count(client):
     def form():
         """The length of the first fragment of a scan, or the type of its ranges."""
         client.call("/step", steps=10)
@@ -118,7 +118,7 @@ def test_a_latched_message_comes_once_more_for_each_subscription(client):
     assert [each for each in client.kept if each.get("topic") == topic] == []
 
 
-def test_a_client_may_subscribe_to_a_topic_a_limited_number_of_times(server, client):
+def test_a_client_may_subscribe_to_a_topic_500_times(server, client):
     for number in range(500):
         client.send("subscribe", topic="/scan", id=number)
     assert client.call("/rosapi/nodes")["result"]

@@ -91,7 +91,7 @@ def test_a_spawned_entity_has_its_name_and_state(call):
     assert call("get_entities_states")["entities"] == ["robot", "box_2"]
 
 
-def test_an_entity_that_was_put_elsewhere_is_an_edit_of_the_world(call, client):
+def test_moving_an_entity_is_an_edit_of_the_world(call, client):
     client.subscribed("/flatland_server/state")
     assert client.next_of("/flatland_server/state")["edits"] == 0
 

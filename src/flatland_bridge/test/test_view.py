@@ -65,7 +65,7 @@ def test_it_opens_the_browser_and_ends_by_ctrl_c(world, tmp_path):
         assert process.stderr.read() == ""
 
 
-def test_without_a_screen_it_says_so_and_goes_on(world, tmp_path):
+def test_without_a_screen_view_says_so_and_serves_on(world, tmp_path):
     with view(world, tmp_path) as (process, page):
         client = client_of(page)
         assert client.call("/seek", time=0.0)["values"]["success"]
@@ -76,7 +76,7 @@ def test_without_a_screen_it_says_so_and_goes_on(world, tmp_path):
         assert process.stderr.read() == ("no browser can be opened here: open the address in one\n")
 
 
-def test_pages_of_others_and_programs_of_other_users_cannot_command_it(world, tmp_path):
+def test_other_pages_and_other_users_programs_are_rejected(world, tmp_path):
     with view(world, tmp_path) as (_, page):
         url = page.replace("http", "ws")
         for origin in ("http://evil.example", "null"):
@@ -89,7 +89,7 @@ def test_pages_of_others_and_programs_of_other_users_cannot_command_it(world, tm
                 connect(wrong, origin="http://localhost:8000")
 
 
-def test_what_is_moved_is_saved_in_the_users_world(world, tmp_path):
+def test_moved_models_are_saved_in_the_users_world(world, tmp_path):
     with view(world, tmp_path) as (_, page):
         client = client_of(page)
         client.call("/move_model", name="robot", pose={"x": 1.5})
@@ -98,7 +98,7 @@ def test_what_is_moved_is_saved_in_the_users_world(world, tmp_path):
     assert "pose: [1.5, 0.0, 0.0]" in world.read_text()
 
 
-def test_a_shipped_world_is_saved_as_a_copy_in_the_present_folder(tmp_path):
+def test_a_shipped_world_is_saved_as_a_copy_in_the_cwd(tmp_path):
     with view("office", tmp_path) as (_, page):
         client = client_of(page)
         client.call("/move_model", name="turtlebot", pose={"x": 1.5})

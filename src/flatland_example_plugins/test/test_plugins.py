@@ -66,7 +66,7 @@ def test_const_velocity_is_in_the_worlds_frame(simulate):
     assert poses(simulation)["robot"] == pytest.approx((1.4, 1.4, 2.3), abs=1e-4)
 
 
-def test_const_velocity_does_not_care_who_stops_its_body(simulate):
+def test_const_velocity_drives_on_after_a_halt(simulate):
     simulation = simulate(
         "type: ConstVelocity, name: a, body: base, vel_x: 0.5, vel_y: 0, omega: 0"
     )
@@ -78,7 +78,7 @@ def test_const_velocity_does_not_care_who_stops_its_body(simulate):
     assert poses(simulation)["robot"] == pytest.approx((1.0, 0.0, 0.0), abs=1e-4)
 
 
-def test_const_velocity_names_what_is_wrong_with_its_configuration():
+def test_const_velocity_reports_each_wrong_key():
     message = refusal("type: ConstVelocity, name: a, body: bass, vel_x: fast, omega: 0, o: 1")
 
     assert message.splitlines() == [
@@ -148,7 +148,7 @@ def test_boxes_may_be_taken_from_the_conveyor(conveyor):
     assert conveyor.last("/box/count").data == 6
 
 
-def test_a_feeder_that_would_spawn_outside_of_its_area_is_refused():
+def test_a_feeder_with_a_pose_outside_its_area_is_refused():
     files = WorldFiles()
     files.write("box.yaml", BOX)
 

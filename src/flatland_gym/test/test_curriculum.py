@@ -59,7 +59,7 @@ def test_the_margin_can_grow_up_to_the_argument():
     env.close()
 
 
-def test_options_are_the_same_in_single_and_in_vector_environments():
+def test_reset_options_act_alike_in_single_and_vector_envs():
     options = {"goal_distance": (1, 3), "obstacles": (1, 2), "world": ["discs"]}
     single, many = make(**WORLDS), make_vector(3, **WORLDS)
     single.reset_options = many.unwrapped.reset_options = options

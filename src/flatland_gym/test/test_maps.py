@@ -26,7 +26,7 @@ def walls(number):
     return Rooms(boxes=10)(np.random.default_rng(number))
 
 
-def test_each_episode_draws_a_map_whose_walls_are_those_of_its_number():
+def test_each_episode_draws_a_map_and_has_its_walls():
     env = make(**MAPS, num_maps=3)
     numbers = set()
     for seed in range(20):
@@ -38,7 +38,7 @@ def test_each_episode_draws_a_map_whose_walls_are_those_of_its_number():
     env.close()
 
 
-def test_an_environment_of_a_vector_is_the_single_one_and_threads_change_nothing():
+def test_with_maps_vector_single_and_threaded_runs_are_equal():
     single = make(**MAPS, num_maps=3)
     single.reset(seed=7)
     many = make_vector(5, **MAPS, num_maps=3, threads=2)

@@ -45,7 +45,7 @@ def driven(side, action, **arguments):
 
 @pytest.mark.parametrize("drive", DRIVES)
 @pytest.mark.parametrize("laser", [{}, {"angle": FRONT}, {"angle": FRONT, "upside_down": True}])
-def test_it_is_seen_in_a_world_with_left_and_right_changed(drive, laser):
+def test_the_mirror_image_is_seen_in_the_mirrored_world(drive, laser):
     action, signs = DRIVES[drive]
     navigation, seen = driven(1, action, drive=drive, **laser)
     _, expected = driven(-1, np.multiply(action, signs), drive=drive, **laser)
@@ -66,12 +66,12 @@ def test_it_is_seen_in_a_world_with_left_and_right_changed(drive, laser):
         {"origin": [0, 0.1, 0]},
     ],
 )
-def test_a_lidar_that_looks_more_to_one_side_has_none(laser):
+def test_a_lidar_off_the_axis_has_no_mirror_image(laser):
     navigation, _ = driven(1, [0.5, 0.8], **laser)
     assert Mirror.of(navigation) is None
 
 
-def test_a_turned_lidar_that_looks_to_both_sides():
+def test_a_turned_but_symmetric_lidar_has_a_mirror_image():
     angle = {"min": -1.0, "max": 3.0, "increment": 0.5}
     navigation, _ = driven(1, [0.5, 0.8], angle=angle, origin=[0.1, 0, -1.0])
     assert navigation.robot.mirrored_beams == (8, 7, 6, 5, 4, 3, 2, 1, 0)

@@ -30,7 +30,7 @@ def test_it_passes_pettingzoos_tests(world):
         parallel_seed_test(make, num_cycles=60)
 
 
-def test_it_is_made_by_its_name():
+def test_pettingzoo_makes_it_by_its_name():
     env = pettingzoo.make("parallel", "flatland/Navigation-v0", robots=3, world="empty_room")
 
     assert isinstance(env, MultiRobotEnv)
@@ -38,7 +38,7 @@ def test_it_is_made_by_its_name():
     env.close()
 
 
-def test_it_passes_pettingzoos_test_of_rendering_without_a_screen(without_screen):
+def test_it_passes_pettingzoos_render_test_without_a_screen(without_screen):
     modes = []
 
     def make(render_mode):

@@ -62,7 +62,7 @@ def test_the_observation_is_what_the_documentation_says():
     env.close()
 
 
-def test_no_return_is_1(tmp_path):
+def test_a_beam_without_a_return_is_observed_as_1(tmp_path):
     content = world_content(flatland_gym.SCENARIOS["empty_room"].world)
     content["layers"] = []
     env = make(world=content)
@@ -134,7 +134,7 @@ def test_reward_and_termination_can_be_replaced():
     env.close()
 
 
-def test_arguments_may_be_plain_data_as_in_a_specification_in_json():
+def test_an_environment_can_be_made_from_its_spec_in_json():
     spec = gym.make(ID, world="empty_room", rewards={"time": -7.0}, time_limit=math.inf).spec
     env = gym.make(EnvSpec.from_json(spec.to_json())).unwrapped
     observation, _ = env.reset(seed=np.int64(3))

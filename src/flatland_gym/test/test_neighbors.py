@@ -27,7 +27,7 @@ def rows(others, pose=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0), count=1):
     return found.reshape(count, 6)
 
 
-def test_a_model_that_comes_has_its_time_to_a_touch():
+def test_an_approaching_model_has_its_time_to_collision():
     # 2 m ahead, 1.5 m apart, approached at 1.5 m/s: they touch after 1 s.
     [row] = rows([[2.0, 0.0, -1.0, 0.0, 0.5]], velocity=(0.5, 0.0, 0.0))
 
@@ -50,7 +50,7 @@ def test_bearing_and_velocity_are_in_the_robots_frame():
         ([2.0, 0.0, 0.0, 0.0, 0.5], 0.0),  # stands
     ],
 )
-def test_whether_and_when_they_touch(other, danger):
+def test_the_danger_follows_from_the_time_to_collision(other, danger):
     assert rows([other])[0, 5] == pytest.approx(danger, abs=1e-6)
 
 
@@ -120,7 +120,7 @@ def test_lines_of_sight_end_at_walls():
     assert not LinesOfSight(np.empty((0, 4))).blocked(lines).any()
 
 
-def test_noise_has_its_standard_deviation_and_is_new_in_each_step():
+def test_neighbor_noise_has_its_deviation_and_varies_by_step():
     arguments = {**CORRIDOR, "neighbors": 12, "neighbor_range": 30.0}
     exact, noisy = (make_vector(60, **arguments, neighbor_noise=noise) for noise in (0.0, 0.2))
     values = [[], []]
@@ -142,7 +142,7 @@ NOISY = {**CORRIDOR, "neighbor_noise": 0.1, "neighbor_range": 4.0}
 
 
 @pytest.mark.parametrize("arguments", [CORRIDOR, NOISY], ids=["exact", "noisy"])
-def test_they_are_the_same_in_single_and_in_vector_environments(arguments):
+def test_neighbors_equal_in_single_and_vector_environments(arguments):
     single, many = make(**arguments), make_vector(2, **arguments)
     alone, together = single.reset(seed=4)[0], many.reset(seed=3)[0]
     assert alone.shape == (8 + 3 + 2 + 18,)
@@ -190,7 +190,7 @@ def test_a_policy_is_told_them(tmp_path):
     env.close()
 
 
-def test_a_scale_is_that_of_all_rows_and_goes_into_a_layer():
+def test_a_scale_covers_all_rows_and_folds_into_a_layer():
     rng = np.random.default_rng(0)
     seen = (rng.normal(size=(600, 3)) * [1.0, 2.0, 3.0] + [5.0, 1.0, 0.0]).astype(np.float32)
     scale = Scale(3)

@@ -32,7 +32,7 @@ def expected(ranges, poses, velocities, goals, limits):
 
 
 @pytest.mark.parametrize("limits", [(0.8, 0.0, 2.0), (0.8, 0.5, 2.0), (0.0, 0.0, 0.0)])
-def test_it_is_the_formula(limits):
+def test_the_observation_follows_the_documented_formula(limits):
     rows = measurements()
     found = GoalObserver(BEAMS, MAX_RANGE, limits).observe(*rows)
 

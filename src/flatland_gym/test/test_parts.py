@@ -29,7 +29,7 @@ def nearest_model(now):
 PARTS = ["velocity", "goal", MapCrop(6, 0.5), to_goal, ObservationPart(nearest_model, (1,), 0.0)]
 
 
-def test_our_parts_are_those_of_other_observations_in_another_order():
+def test_chosen_parts_equal_those_of_the_default_observation():
     plain, chosen = (make(**CORRIDOR, observation=p) for p in (None, ["goal", "neighbors"]))
 
     everything, _ = plain.reset(seed=3)
@@ -86,7 +86,7 @@ def test_the_map_is_in_the_robots_frame(tmp_path):
 
 
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
-def test_many_environments_are_single_ones_to_the_bit(mode):
+def test_vector_environments_equal_single_ones_to_the_bit(mode):
     arguments = {
         **CORRIDOR, "observation": [*PARTS, "models"], "privileged": ["pose", to_goal],
         "time_limit": 0.5,
@@ -101,7 +101,7 @@ def test_many_environments_are_single_ones_to_the_bit(mode):
         assert_same(envs.step(actions), others.step(actions))
 
 
-def test_what_is_privileged_is_in_the_info_of_resets_and_steps():
+def test_privileged_parts_are_in_the_info_of_resets_and_steps():
     arguments = {**CORRIDOR, "neighbors": 0}
     env, plain = make(**arguments, privileged=["pose", to_goal]), make(**arguments)
 
@@ -126,7 +126,7 @@ def test_true_models_are_seen_through_walls_and_without_noise():
     assert (np.diff(rows[:, 0]) <= 0.0).all()
 
 
-def test_a_team_has_them_for_each_robot():
+def test_parts_of_a_team_are_given_for_each_robot():
     pytest.importorskip("pettingzoo")
     from flatland_gym.multi_robot_env import MultiRobotEnv
     from flatland_gym.multi_robot_vector_env import MultiRobotVectorEnv
@@ -172,7 +172,7 @@ def test_wrong_crops_are_refused(arguments):
         MapCrop(*arguments)
 
 
-def test_what_needs_our_observations_says_so():
+def test_evaluate_and_mirror_refuse_custom_observations():
     arguments = {"world": "corridor", "beams": 8, "observation": ["goal", "ranges"]}
     with pytest.raises(UsageError, match="expected no argument observation"):
         evaluate(StraightDriver(8), [0], **arguments)

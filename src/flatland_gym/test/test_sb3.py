@@ -41,7 +41,7 @@ def drive(env, steps):
 
 
 @pytest.mark.parametrize("flatten", [True, False])
-def test_it_equals_so_many_single_environments(flatten):
+def test_a_vector_environment_equals_single_ones(flatten):
     arguments = {**ARGUMENTS, "flatten": flatten}
     expected = drive(DummyVecEnv([lambda: make(**arguments)] * 5), 120)
     found = drive(NavigationVecEnv(5, **arguments), 120)
@@ -174,7 +174,7 @@ def test_ppo_learns_from_mirror_images():
     env.close()
 
 
-def test_a_lidar_that_looks_more_to_one_side_has_no_mirror_images():
+def test_a_lidar_off_the_axis_cannot_be_mirrored():
     content = world_content("package://flatland_gym/worlds/empty_room.yaml")
     content["models"][0]["model"]["plugins"][1]["origin"] = [0, 0.1, 0]
     env = NavigationVecEnv(2, world=content)

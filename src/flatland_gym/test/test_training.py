@@ -41,7 +41,7 @@ def test_a_policy_learns_to_reach_its_goals(policy):
 
 
 @pytest.mark.slow
-def test_an_episode_of_an_evaluation_does_not_depend_on_the_others(policy):
+def test_episodes_of_an_evaluation_are_independent(policy):
     all_of_them = evaluate(policy, range(20), **SETTINGS)
     some = evaluate(policy, [3, 11, 4], threads=2, **SETTINGS)
 
@@ -330,7 +330,7 @@ def test_the_command_trains_and_says_what_is_wrong(tmp_path, capsys):
         (["a.npz", "--minutes", "nan"], 'expected float of 0.001 or more, found "nan"'),
     ],
 )
-def test_what_is_wrong_is_told_before_the_training(
+def test_wrong_arguments_are_reported_before_the_training(
     tmp_path, monkeypatch, capsys, arguments, message
 ):
     monkeypatch.chdir(tmp_path)

@@ -94,7 +94,7 @@ def with_a_cart():
 @pytest.mark.parametrize(
     "world", ["discs", ("discs", with_a_person_and_walls())], ids=["one world", "two worlds"]
 )
-def test_it_equals_so_many_single_environments(mode, count, world):
+def test_a_vector_environment_equals_single_ones(mode, count, world):
     arguments = {"world": world, **CROWDED}
     single = SyncVectorEnv([lambda: make(**arguments)] * count, autoreset_mode=mode)
     expected, ends = drive(single, mode, 80)
@@ -156,7 +156,7 @@ def test_actions_may_be_of_any_type_of_numbers(kind):
         "numbers of NumPy",
     ],
 )
-def test_it_does_so_for_each_kind_of_chance(arguments):
+def test_it_equals_single_environments_with_any_random_source(arguments):
     arguments = {**CROWDED, **arguments}
     single = SyncVectorEnv([lambda: make(**arguments)] * 3, autoreset_mode="SameStep")
     vector = make_vector(3, autoreset_mode="SameStep", threads=2, **arguments)
@@ -245,7 +245,7 @@ def test_a_batch_is_made_when_an_episode_is_in_its_world():
     env.close()
 
 
-def test_no_episode_begins_or_ends_in_a_wall_that_a_plugin_has_added():
+def test_starts_and_goals_are_clear_of_walls_added_by_plugins():
     env = make(world=with_a_person_and_walls(), goal_distance=(0.4, 3.0), beams=32, flatten=False)
     for seed in range(60):
         observation, info = env.reset(seed=seed)
@@ -347,7 +347,7 @@ def test_pictures_are_those_of_single_environments(arguments):
     assert not np.array_equal(*frames[1])
 
 
-def test_so_many_pictures_as_are_asked_for():
+def test_render_envs_limits_the_number_of_pictures():
     env = make_vector(5, world="empty_room", beams=4, render_mode="rgb_array", render_envs=2)
     env.reset(seed=1)
     frames = env.render()

@@ -39,7 +39,7 @@ def drive(env, steps, seed):
     return [env.step(each) for each in actions]
 
 
-def test_episodes_go_on_from_a_state_here_and_in_another_environment(make_crowded):
+def test_a_saved_state_continues_here_and_in_another_environment(make_crowded):
     env, other = make_crowded(), make_crowded()
     ahead = np.full(env.action_space.shape, 0.4, np.float32)
     env.reset(seed=3)

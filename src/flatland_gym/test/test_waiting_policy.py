@@ -35,7 +35,7 @@ def start_policy(master, tmp_path):
         process.wait(20)
 
 
-def test_it_waits_for_scans_and_odometry_and_names_the_missing_topic(start_server, start_policy):
+def test_it_waits_for_topics_and_names_the_missing_one(start_server, start_policy):
     start_server()
     ready = start_policy("__name:=ready")
     waiting = start_policy("scan:=scan_front", "__name:=waiting")

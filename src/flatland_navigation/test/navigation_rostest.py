@@ -88,7 +88,7 @@ class Navigation(unittest.TestCase):
         wait_until(lambda: self.client.simple_state == actionlib.SimpleGoalState.DONE, "the end")
         self.assertEqual(self.client.get_state(), GoalStatus.PREEMPTED)
 
-    def test_a_pause_is_only_a_pause(self):
+    def test_a_pause_does_not_abort_a_goal(self):
         self.client.send_goal(MoveBaseGoal(target(3.0, 0.0, 0.0)))
         self.pose.next(holds=lambda m: m.twist.twist.linear.x > 0.2)
         call("/pause", Empty)

@@ -130,7 +130,7 @@ def test_the_sweep_compares_controllers():
     assert late == []
 
 
-def test_a_robot_that_tries_commands_in_branches_reaches_its_goal():
+def test_the_mppi_example_reaches_its_goal():
     settings = read_scenario_file(ROOT / "examples" / "mppi" / "scenarios.yaml")
     row = ScenarioRunner(settings).run(scenarios_of(settings)[0]).row
     assert row["outcome"] == "goal"

@@ -34,7 +34,7 @@ class Driving:
                     self.assertAlmostEqual(value, number, delta=1e-3, msg=f"{name}: {found}")
 
     def assert_odometry_and_tf_agree(self, topic, frame):
-        """Fails if a body's odometry is not the transform of the same moment."""
+        """Fails if a body's odometry is not the transform of the same time."""
         for robot in self.robots:
             odometry = self.recorder_of(robot, topic).next()
             transform = self.transform(robot, frame, odometry.header.stamp)

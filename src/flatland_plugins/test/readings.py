@@ -36,7 +36,7 @@ def seen_from(pose: Pose, other: Pose) -> Pose:
 
 
 def stamp_of(message: Any) -> Optional[int]:
-    """A message's stamp [ns], if it has one; the transforms of one message are of one moment."""
+    """A message's stamp [ns], if it has one; the transforms of one message are of one time."""
     if isinstance(message, TFMessage):
         message = message.transforms[0]
     return message.header.stamp.to_nsec() if hasattr(message, "header") else None

@@ -12,7 +12,7 @@ def run(*command, timeout=LIMIT, **options):
     """The output of a command; if it fails, so does the test, with its output.
 
     Args:
-        command: its words.
+        command: the program and its arguments.
         timeout: real time [s]; None is any.
         options: of `subprocess.run`, such as `env`.
     """

@@ -58,7 +58,7 @@ class Diagnostics(RecordingCase):
         status = paused[f"{SERVER[1:]}: simulation"]
         self.assertEqual(status.level, DiagnosticStatus.OK)
 
-    def test_a_plugin_that_raises_is_an_error_until_its_model_is_deleted(self):
+    def test_diagnostics_show_a_failed_plugin_until_it_is_deleted(self):
         before = ServerTopics.ask()
         answer = spawn(MODELS / "fails_later.model.yaml", "robot", "ns")
         self.assertTrue(answer.success, answer.message)
@@ -98,7 +98,7 @@ class Diagnostics(RecordingCase):
         self.assertTrue(delete("robot").success)
         self.statuses(lambda s: simulation in s and name not in s)
 
-    def test_a_model_whose_third_plugin_fails_leaves_nothing(self):
+    def test_a_model_with_a_failing_third_plugin_leaves_nothing(self):
         self.clock.next(5)
         before = ServerTopics.ask()
         for model, reason in (

@@ -43,7 +43,7 @@ class TransformsByNamespace(RecordingCase):
         cls.moving = {ns: cls.record(f"{ns}/tf", TFMessage) for ns in ROBOTS}
         cls.static = {ns: cls.record(f"{ns}/tf_static", TFMessage) for ns in ROBOTS}
 
-    def test_each_namespace_has_its_transforms_and_frames_without_prefix(self):
+    def test_each_namespace_has_transforms_with_unprefixed_frames(self):
         for namespace in ROBOTS:
             with self.subTest(namespace):
                 moving = self.moving[namespace]
@@ -110,7 +110,7 @@ class StampsOfRealTime(RecordingCase):
     def state(self):
         return rospy.wait_for_message("/flatland_server/state", SimulationState, 10.0)
 
-    def test_nobody_publishes_clock_and_nodes_go_by_real_time(self):
+    def test_clock_is_not_published_and_nodes_use_real_time(self):
         self.assertNotIn("/clock", published())
         self.assertFalse(rospy.get_param("/use_sim_time"))
 
@@ -163,7 +163,7 @@ class StampsOfRealTime(RecordingCase):
         stamps = [each.header.stamp for each in list(self.scan.messages)]
         self.assertEqual(stamps, sorted(stamps))
 
-    def test_another_rate_is_refused(self):
+    def test_a_rate_other_than_1_is_refused(self):
         answer = call("/change_rate", ChangeRate, 2.0)
 
         self.assertFalse(answer.success)

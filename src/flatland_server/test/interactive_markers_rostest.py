@@ -144,7 +144,7 @@ class InteractiveMarkers(unittest.TestCase):
         self.state.next(3)
         self.assertTrue(all(state.paused for state in self.state.messages[after:]))
 
-    def test_a_pause_during_a_drag_stays_and_a_step_has_to_wait_for_one(self):
+    def test_a_pause_during_a_drag_outlasts_the_drag(self):
         self.send(Feedback.MOUSE_DOWN, 4.0, -0.2)
         self.wait_for_state(paused=True)
         answer = rospy.ServiceProxy("/step", Step)(steps=1)
@@ -210,7 +210,7 @@ class InteractiveMarkers(unittest.TestCase):
         self.assertTrue(change(1.0).success)
         wait_until(lambda: self.state.messages[-1].rate == 1.0, "the rate")
 
-    def test_markers_of_a_model_file_are_returned_and_a_missing_file_refused(self):
+    def test_markers_of_a_model_file_are_returned_or_refused(self):
         ask = rospy.ServiceProxy("/get_model_markers", GetModelMarkers)
         answer = ask(BOX_FILE)
         self.assertTrue(answer.success, answer.message)

@@ -14,7 +14,7 @@ class Screenshots:
 
     Args:
         display: name of the X display.
-        prefix: of the files' names.
+        prefix: prefix of the names of the files.
     """
 
     def __init__(self, display: str, prefix: str) -> None:
@@ -39,7 +39,7 @@ def near(pixels: np.ndarray, color: Sequence[int], tolerance: int) -> np.ndarray
     Args:
         pixels: colours, uint8 of shape (height, width, 3).
         color: red, green and blue.
-        tolerance: of each of them.
+        tolerance: greatest difference in each channel.
 
     Returns:
         Booleans of shape (height, width).

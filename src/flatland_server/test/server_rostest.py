@@ -47,7 +47,7 @@ class Server(RecordingCase):
         twist.linear.x, twist.angular.z = forwards, turn
         self.cmd_vel.publish(twist)
 
-    def test_clock_comes_at_each_step_and_the_robot_follows_an_arc_as_does_tf(self):
+    def test_clock_odometry_and_tf_follow_an_arc_at_each_step(self):
         self.clock.next()
         begin = len(self.clock.messages)
         self.check_arc()

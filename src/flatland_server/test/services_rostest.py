@@ -124,7 +124,7 @@ class Services(RecordingCase):
         wait_until(lambda: ServerTopics.ask() == before, "the topics of deleted robots to go")
         self.assertFalse([frame for frame in self.frames() if frame.startswith(("r1", "r2"))])
 
-    def test_a_later_subscriber_gets_the_static_transforms_of_plugins_and_server(self):
+    def test_a_later_subscriber_gets_all_static_transforms(self):
         request = SpawnModelRequest(yaml_path=GUARD, name="guard", ns="guard")
         self.assertTrue(call("/spawn_model_from_string", SpawnModel, request).success)
         mounts = {("guard_base", "guard_gps"), ("guard_base", "guard_imu")}
@@ -171,7 +171,7 @@ class Services(RecordingCase):
         odometry.close()
         self.assertTrue(delete("mover").success)
 
-    def test_invalid_requests_are_refused_with_a_reason_and_change_nothing(self):
+    def test_invalid_requests_are_refused_and_change_nothing(self):
         before = ServerTopics.ask()
         for answer, error, expected in (
             (spawn("/nowhere/robot.yaml", "a"), MODEL, "there is no file /nowhere/robot.yaml"),
@@ -205,7 +205,7 @@ class Services(RecordingCase):
         self.assertLess(math.hypot(pose.x, pose.y), 1e-6)
         self.clock.next(10)
 
-    def test_of_two_models_of_one_name_one_is_spawned(self):
+    def test_only_one_of_two_models_of_one_name_is_spawned(self):
         answers = []
         calls = [
             threading.Thread(target=lambda: answers.append(spawn(SLOW_MODEL, "twin")))
@@ -290,7 +290,7 @@ class Services(RecordingCase):
             self.assertEqual((name, {p.z for p in marker.points}), (name, heights))
             self.assertEqual((marker.header.frame_id, marker.ns), ("map", "room"))
 
-    def test_the_markers_of_a_model_are_latched_while_it_has_subscribers(self):
+    def test_markers_of_a_model_are_latched_while_subscribed_to(self):
         topic = "/flatland_server/debug/model/latecomer"
         topics = Recorder("/flatland_server/debug/topics", DebugTopicList)
         self.assertTrue(spawn(BOX, "latecomer", "", -3.0, -2.0).success)

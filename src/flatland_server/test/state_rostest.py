@@ -168,7 +168,7 @@ class State(unittest.TestCase):
         answer = call("/load_state", LoadState, "/nowhere/state")
         self.assertIn("StateError: /nowhere/state: cannot be read: No such file", answer.message)
 
-    def test_any_moment_of_the_run_can_be_sought_with_its_commands(self):
+    def test_any_time_of_the_run_can_be_sought_with_its_commands(self):
         self.drive()
         world = Path(rospy.get_param("/flatland_server/world_path"))
         simulation = Harness(World.from_file(world, seed=0))
@@ -268,7 +268,7 @@ class State(unittest.TestCase):
             "/clock to begin again",
         )
 
-    def test_spawned_models_are_gone_after_a_reset_and_topics_stay_connected(self):
+    def test_a_reset_removes_spawned_models_and_keeps_connections(self):
         connections = self.odometry._subscriber.impl.connections
         before = list(connections)
         self.assertTrue(spawn(BOX, "box", "", 1.5, 0.0).success)
@@ -332,7 +332,7 @@ class State(unittest.TestCase):
         self.assertTrue(rospy.get_param("/flatland_server/world_path").endswith("room/world.yaml"))
 
     def return_to(self, own):
-        """Opens the world of the other tests, whose /wheel_odom the other one does not have."""
+        """Opens the world of the other tests; only that one has the topic /wheel_odom."""
         call("/open_world", OpenWorld, own)
         seen = len(self.odometry.messages)
         wait_until(lambda: step(10) and len(self.odometry.messages) > seen, "/wheel_odom")

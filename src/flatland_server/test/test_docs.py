@@ -58,7 +58,7 @@ class Listener(LocalTransport):
         ("Contacts", [ModelPlugin, Entity, _core.Contact, _core.ContactImpulse]),
     ],
 )
-def test_the_tables_name_what_there_is(heading, classes):
+def test_names_in_the_tables_exist_in_the_code(heading, classes):
     cells = re.findall(r"^\| (`.*?) \|", sections()[heading], flags=re.MULTILINE)
     names = [name for cell in cells for name in re.findall(r"`(?:\w+\.)?(\w+)", cell)]
 
@@ -122,7 +122,7 @@ def test_the_plugin_that_was_one_in_cpp_works(tmp_path, monkeypatch):
     assert messages[-1].data == pytest.approx(0.5, abs=1e-6)
 
 
-def test_the_twins_of_cpp_calls_exist():
+def test_each_python_replacement_of_a_cpp_call_exists():
     text = MIGRATION.read_text(encoding="utf-8")
     rows = re.findall(r"^\| `.*?\| (.*) \|$", text.partition("| C++ |")[2], flags=re.MULTILINE)
     owners = {

@@ -181,7 +181,7 @@ def test_rospack_lists_its_plugins(workspace, flatland, shell, space):
 
 
 @pytest.mark.parametrize("space", ["devel", "install"])
-def test_a_copy_hides_the_original_by_another_name_and_by_the_same(workspace, shell, space):
+def test_a_copied_package_overlays_the_installed_original(workspace, shell, space):
     found = shell.run(f"source '{workspace}/{space}/setup.bash'", f"python3 -c '{WHERE_FOUND}'")
 
     (renamed, renamed_file), (same, same_file) = (line.split() for line in found.splitlines())
@@ -189,7 +189,7 @@ def test_a_copy_hides_the_original_by_another_name_and_by_the_same(workspace, sh
     assert all(file.startswith(f"{workspace}/") for file in (renamed_file, same_file))
 
 
-def test_its_own_tests_pass(workspace, shell):
+def test_the_example_packages_tests_pass(workspace, shell):
     output = shell.run(
         f"source '{workspace}/devel/setup.bash'",
         # Without the same settings, it would configure the workspace again.

@@ -73,7 +73,7 @@ def test_a_signal_ends_the_server_while_the_master_is_stopped(master, start_serv
     assert "Traceback" not in server.log
 
 
-def test_the_soft_limit_of_open_files_is_raised_and_a_topic_takes_no_file(start_server):
+def test_the_file_limit_is_raised_and_topics_open_no_files(start_server):
     server = start_server(max_files=256)
     limits = Path(f"/proc/{server.process.pid}/limits").read_text()
     [line] = [line for line in limits.splitlines() if line.startswith("Max open files")]

@@ -92,7 +92,7 @@ def found(master):
 
 @pytest.mark.parametrize("kind", ["stream", "latched"])
 @pytest.mark.parametrize("order", ["raw typed", "typed raw"])
-def test_each_gets_what_it_expects_in_either_order_and_after_one_has_left(found, order, kind):
+def test_typed_and_raw_subscribers_each_get_their_form(found, order, kind):
     results = found[f"{order} {kind}"]
     first, second = order.split()
 

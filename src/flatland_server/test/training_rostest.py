@@ -83,7 +83,7 @@ class Training(RecordingCase):
     def succeed(self, answer):
         self.assertTrue(answer.success, answer.message)
 
-    def test_a_training_run_has_no_failed_call_and_a_scan_in_each_period(self):
+    def test_a_training_run_has_a_scan_in_each_period(self):
         names = [f"disc_{index}" for index in range(20)]
         self.scan.next()
         for episode in range(3):
@@ -123,7 +123,7 @@ class Training(RecordingCase):
         refused = call("/step", Step, 1, [], 0.0)
         self.assertIn("the simulation is not paused", refused.message)
 
-    def test_the_topic_step_world_advances_time_by_what_is_asked_or_one_step(self):
+    def test_topic_step_world_advances_by_its_value_or_one_step(self):
         step_world = self.step_world()
         begin = time_after_a_step()
 
@@ -138,7 +138,7 @@ class Training(RecordingCase):
         warning = "/step_world: UsageError: expected required_time to be a multiple of the step"
         wait_until(lambda: any(m.msg.startswith(warning) for m in self.log.messages), warning)
 
-    def test_a_hundred_episodes_of_an_environment_that_steps_by_the_topic(self):
+    def test_a_hundred_episodes_stepped_by_topic(self):
         """The calls of Arena-Rosnav's environments: discs from texts, a message for each scan."""
         self.assertEqual(StepWorldMessage._md5sum, "db98664cbe4523fcf94ecdf73a95fa46")
         step_world = self.step_world()
@@ -193,7 +193,7 @@ class Training(RecordingCase):
         self.assertTrue(answer.message.startswith(expected), answer.message)
         self.assertIn('found "wide"', answer.message)
 
-    def test_a_bad_message_on_move_model_is_a_warning_that_names_the_topic(self):
+    def test_a_bad_move_model_message_is_a_warning_with_the_topic(self):
         for name, pose in (("nobody", Pose2D()), ("turtlebot", Pose2D(float("nan"), 0.0, 0.0))):
             self.move.publish(MoveModelMsg(name, pose))
         for error in ('there is no model "nobody"', "expected a finite pose"):

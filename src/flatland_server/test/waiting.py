@@ -13,7 +13,7 @@ def wait_until(
     """Waits for a true value of `holds()` and returns it; `holds` may raise to stop waiting.
 
     Args:
-        holds: the condition.
+        holds: condition, which is called again and again.
         what: names the condition if the wait fails.
         limit: the wait's limit [s].
         interval: between two calls of `holds` [s].

@@ -125,7 +125,7 @@ def test_robots_drive_while_a_key_is_held_and_stop_after_it(typist):
     assert "Traceback" not in typist.shown
 
 
-def test_ctrl_c_while_it_waits_for_the_master_leaves_no_traceback():
+def test_ctrl_c_while_waiting_for_the_master_has_no_traceback():
     with socket.socket() as silent:  # accepts connections, and never answers
         silent.bind(("127.0.0.1", 0))
         silent.listen()

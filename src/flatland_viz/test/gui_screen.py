@@ -40,7 +40,7 @@ class Screen:
     """An X display, controlled by xdotool.
 
     Args:
-        display: its name.
+        display: name of the X display, such as ":51".
         kind: its size, scale and background.
         name: of the screen, for the files of its pictures.
         settings: folder for the window's settings, among them the background.
@@ -214,12 +214,7 @@ class Screen:
         self.xdotool("mousemove", x - 2, y, "sleep", 0.1, "mousemove", x, y, "sleep", 0.1)
 
     def open_menu(self, pixel, name):
-        """Right-clicks in the view; returns once a menu covers a part of its background.
-
-        Args:
-            pixel: of an object with a menu.
-            name: of the screenshot with the menu.
-        """
+        """Right-clicks in the view; returns once a menu covers a part of its background."""
         least = self.px(40) * self.px(60)
         background = lambda: near(self.picture(name), self.kind.background, 0).sum()  # noqa: E731
         before = background()

@@ -99,7 +99,7 @@ class Viewer:
 
     Args:
         kind: "window" or "rviz".
-        screen: that it is on.
+        screen: the X display that shows it.
         ros: the master that the launch joins.
         office: the folder of the world.
         waiting: `wait_until`.

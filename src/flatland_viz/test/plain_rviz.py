@@ -1,4 +1,4 @@
-"""Plain rviz, whose windows have a size when OpenGL asks for it."""
+"""Plain rviz with windows that have a size when OpenGL asks for it."""
 
 import subprocess
 from pathlib import Path

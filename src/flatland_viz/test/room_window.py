@@ -25,7 +25,7 @@ class RoomWindow:
     """The window with a world of one robot, which can be edited.
 
     Args:
-        screen: that it is on.
+        screen: the X display that shows it.
         ros: the master that the launch joins.
         waiting: `wait_until`.
         run: starts scripts/run.

@@ -175,7 +175,7 @@ class Ros:
         unless a connection to a known one succeeds.
 
         Args:
-            topic: its name.
+            topic: name of the topic, with or without a leading "/".
             kind: the type of its messages.
             seconds: how long [s].
             known: URIs of nodes that may publish it.

@@ -12,7 +12,7 @@ class SceneWindow:
     """The window with the test room and its robots.
 
     Args:
-        screen: that it is on.
+        screen: the X display that shows it.
         ros: the master, with a server.
         waiting: `wait_until`.
         id: the window's X id.

@@ -85,12 +85,7 @@ def screens_option(value: str) -> str:
 
 @lru_cache(maxsize=None)  # pytest keeps a fixture from test to test if it gets the same object
 def chosen(module: str, option: str) -> List[Tuple[str, str]]:
-    """The viewers of a test module, each with the name of its screen.
-
-    Args:
-        module: its name.
-        option: the value of --screens.
-    """
+    """The viewers of a test module, each with the name of its screen."""
     if option == "usual":
         return list(USUAL[module].items())
     names = list(SCREENS) if option == "all" else option.split(",")

@@ -43,12 +43,7 @@ def open_window(ros, screen, tmp_path_factory):
 
 
 class Looks:
-    """Checks of the window's appearance.
-
-    Args:
-        screen: that it is on.
-        background: the view's background.
-    """
+    """Checks of the window's appearance."""
 
     def __init__(self, screen, background):
         self.screen, self.background = screen, background

@@ -80,7 +80,7 @@ def shown(screen, ros, office, waiting):
     return Office(screen, ros, office, waiting)
 
 
-def test_an_unchanged_view_costs_little_and_is_intact_after_another_window(shown, waiting):
+def test_a_still_view_is_cheap_and_redrawn_when_uncovered(shown, waiting):
     shown.ros.call("/pause")
     waiting(lambda: processor_share(shown.window) < 0.1, "a window at rest")
 

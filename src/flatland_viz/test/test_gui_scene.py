@@ -280,7 +280,7 @@ def test_a_distance_is_measured_on_the_floor(window):
     window.waiting(lambda: line() <= before, "their end")
 
 
-def test_what_is_under_the_mouse_has_a_ring_and_tells_its_state(window):
+def test_the_model_under_the_mouse_has_a_ring_and_a_tooltip(window):
     color = window.screen.kind.mixed((84, 110, 140), 0.5)
     ring = lambda name: near(  # noqa: E731
         window.picture(name)[window.map.around(*CRATE, 0.6)], color, 20

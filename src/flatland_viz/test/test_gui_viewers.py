@@ -293,7 +293,7 @@ def test_markers_alone_show_the_world(viewer, tmp_path):
     viewer.waiting(lambda: not missing(), "walls, robot and box")
 
 
-def test_closing_the_window_ends_the_launch_and_closing_rviz_does_not(viewer):
+def test_closing_the_window_not_rviz_ends_the_launch(viewer):
     launch = viewer.launch
     if viewer.kind == "rviz":
         viewer.ros.end(viewer.program)

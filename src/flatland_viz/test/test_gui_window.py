@@ -405,7 +405,7 @@ def drive(window):
     window.waiting(lambda: not window.find_knob(), "the panel to close")
 
 
-def test_a_robot_is_driven_by_keys_and_stops_when_they_are_released(drive):
+def test_keys_drive_a_robot_until_they_are_released(drive):
     x, _, yaw = drive.ros.pose("turtlebot")
     with drive.held("Up"):
         assert drive.command() == (0.5, 0.0)

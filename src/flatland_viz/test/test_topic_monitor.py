@@ -46,7 +46,7 @@ print(json.dumps([read(*each) for each in ((Odometry, odometry), (Twist, twist))
 """
 
 
-def test_the_panel_and_the_trail_read_one_topic_whose_type_may_change(master):
+def test_panel_and_trail_follow_a_topic_that_changes_its_type(master):
     result = subprocess.run(
         [sys.executable, "-c", PROGRAM],
         env={

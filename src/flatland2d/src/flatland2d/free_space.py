@@ -83,7 +83,7 @@ class FreeSpace:
         """A random point in a reachable square, of which there must be one: x, y [m].
 
         Args:
-            rng: the random numbers.
+            rng: generator of NumPy to draw from.
         """
         return self._squares.draw(rng)
 
@@ -99,11 +99,11 @@ class FreeSpace:
         """Random poses of like discs, clear of others and of each other; None where none was found.
 
         Args:
-            rng: the random numbers.
+            rng: generator of NumPy to draw from.
             discs: the others: x, y and radius [m].
             radius: the discs' radius [m].
             distance: of their middles from the edges of others [m].
-            count: how many there are.
+            count: number of poses.
             tries: the largest number of points to draw for each.
         """
         found = self._squares.draw_clear(rng, discs, radius, distance, count, tries)
@@ -121,7 +121,7 @@ class FreeSpace:
         """A random start and a goal of a disc, where it overlaps no others; None if none was found.
 
         Args:
-            rng: the random numbers.
+            rng: generator of NumPy to draw from.
             given: start and goal; those that are not None are taken as they are.
             distances: the least and the largest distance of the two [m].
             radius: the disc's radius [m].
@@ -136,7 +136,7 @@ class FreeSpace:
 
         Args:
             count: of the poses, 0 or more.
-            rng: the random numbers.
+            rng: generator of NumPy to draw from.
 
         Returns:
             Shape (count, 3): x, y [m] and yaw in [-pi, pi) [rad].

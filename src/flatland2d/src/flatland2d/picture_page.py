@@ -41,7 +41,7 @@ class PicturePage:
     them. Where there is no browser, a line says so, and nothing is encoded.
 
     Args:
-        title: the page's title.
+        title: title of the page in the browser.
         rate: pictures per second of real time: `show` waits that long.
     """
 

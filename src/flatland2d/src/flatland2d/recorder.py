@@ -68,8 +68,8 @@ class Recorder(Tap):
     times of a file never go back, and no file has two runs.
 
     Args:
-        transport: the transport of the topics.
-        timekeeper: the simulated time.
+        transport: transport with the topics to record.
+        timekeeper: gives the simulated time of each message.
         path: of the file, which ends with .bag or .mcap. It has ".active" appended until it is
             closed; then it replaces a recording of the same name.
         topics: names of topics, or regular expressions that match whole names; by default all.
@@ -136,7 +136,7 @@ class Recorder(Tap):
         """The topics to record that do not exist.
 
         Args:
-            names: the existing topics' names.
+            names: names of the topics that exist.
         """
         known = {*names, *_ALWAYS}
         return [

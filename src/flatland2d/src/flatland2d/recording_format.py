@@ -67,7 +67,7 @@ class Format(ABC):
         chunks: those that were closed.
 
     Args:
-        encoding: the messages' encoding.
+        encoding: encoding of the messages, one of `encodings`.
     """
 
     magic: ClassVar[bytes]
@@ -123,11 +123,7 @@ class Format(ABC):
 
     @abstractmethod
     def index(self, position: int) -> bytes:
-        """The index, which ends the file.
-
-        Args:
-            position: its offset in the file.
-        """
+        """The index, which ends the file."""
 
     @classmethod
     @abstractmethod
@@ -168,7 +164,7 @@ class Fields:
         self._at = 0
 
     def __bool__(self) -> bool:
-        """Whether there are bytes left."""
+        """True if there are bytes left."""
         return self._at < len(self._data)
 
     def take(self, count: int) -> bytes:

@@ -52,7 +52,7 @@ def find_robot(world: World, name: Optional[str] = None, lidar: Optional[str] = 
     """The model with a drive and a lidar.
 
     Args:
-        world: that has it.
+        world: world to look in.
         name: of the model; None: the only one.
         lidar: name of its plugin; None: the only one.
 

@@ -57,7 +57,7 @@ class SimulatedTopics(RunWithHistory):
         always measures at the present time.
 
         Args:
-            topic: its name.
+            topic: name of the topic, with or without a leading "/".
 
         Raises:
             TopicError: no plugin publishes to this topic.
@@ -93,7 +93,7 @@ class SimulatedTopics(RunWithHistory):
         """Publishes a message; its subscribers get it at once, and act on it in the next step.
 
         Args:
-            topic: its name.
+            topic: name of the topic, with or without a leading "/".
             message: of the topic's type; see `messages.get`.
 
         Raises:

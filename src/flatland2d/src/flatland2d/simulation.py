@@ -204,7 +204,7 @@ class Simulation(SimulatedTopics):
         threads: int = 1,
         moved: Sequence[str] = (),
     ) -> "SimulationBatch":
-        """Continuations of this run, in one call: a batch whose environments begin in its state.
+        """Continuations of this run, in one call: a batch of environments that begin in its state.
 
             with sim.branch(100) as batch:
                 observation = batch.step(actions)

@@ -32,7 +32,7 @@ class Touch:
         """True if one of the two bodies belongs to a model or layer.
 
         Args:
-            model: its name.
+            model: name of the model or layer.
         """
         return model in (self.model_a, self.model_b)
 

@@ -55,7 +55,7 @@ def content_with(
     Args:
         transport: has the parameters, and marks those that expressions read.
         world: as for `world_content`.
-        folders: of models.
+        folders: folders to look for models in.
     """
     with closing(YamlPreprocessor(transport.get_param)) as preprocessor:
         absolute = [folder.absolute() for folder in folders]
@@ -77,7 +77,7 @@ def read_world_content(
 
     Args:
         world: as for `world_content`.
-        preprocessor: has the parameters and evaluates expressions.
+        preprocessor: evaluates expressions, with their parameters.
         folders: where model files are looked up that are not beside the world file.
 
     Raises:

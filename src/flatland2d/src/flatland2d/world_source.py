@@ -34,7 +34,7 @@ def open_world(
     """Loads a world.
 
     Args:
-        source: the world.
+        source: path, shipped name, dict or `WorldConfig` of the world.
         transport: as for `World`.
         seed: as for `World`.
         simplify_map: as for `World.from_file`.

@@ -134,7 +134,7 @@ def test_problems_of_plugins_are_found_too(good_files, check):
 
 
 @pytest.mark.parametrize("file", ["world.yaml", "robot.model.yaml"])
-def test_problems_of_plugins_are_found_beside_those_of_a_footprint(good_files, check, file):
+def test_problems_of_footprints_and_plugins_come_together(good_files, check, file):
     good_files.edit("robot.model.yaml", "radius: 0.5", "radius: -1")
     good_files.edit("robot.model.yaml", "range: 10", "raneg: 10")
 
@@ -247,7 +247,7 @@ def test_a_file_of_another_kind_is_refused_without_a_traceback(good_files, check
     assert answer.stderr
 
 
-def test_a_warning_of_an_expression_does_not_fail_the_check_alone(good_files, check_alone):
+def test_a_warning_of_an_expression_does_not_fail_the_check(good_files, check_alone):
     good_files.edit("world.yaml", "namespace: r1", "namespace: $eval env('NOT_SET_AT_ALL')")
 
     answer = check_alone("world.yaml")
@@ -335,7 +335,7 @@ def test_a_wrong_world_has_no_picture(files, check):
     assert not (files.folder / "world.png").exists()
 
 
-def test_a_picture_that_cannot_be_written_is_an_error_without_a_traceback(good_files, check_alone):
+def test_an_unwritable_picture_is_an_error_without_a_traceback(good_files, check_alone):
     answer = check_alone("world.yaml", "--render", "no/such/folder/world.png")
 
     assert answer.returncode != 0

@@ -88,9 +88,9 @@ class Environment:
         """Builds the wheel of the clone.
 
         Args:
-            folder: for the wheel.
+            folder: folder to write the wheel to.
             build: name of a folder for what is compiled, which stays for the next time.
-            settings: of scikit-build-core.
+            settings: settings of scikit-build-core, such as "cmake.define.NAME=VALUE".
         """
         settings = (f"build-dir={FOLDER / build}", *settings)
         self.pip(

@@ -81,7 +81,7 @@ def declared(xml):
 BUILT_IN = declared(ROOT / "src" / "flatland_plugins" / "flatland_plugins.xml")
 
 
-def test_the_entry_points_are_the_plugins_that_the_ros_package_exports(wheel):
+def test_the_entry_points_equal_the_plugins_of_the_ros_package(wheel):
     with zipfile.ZipFile(wheel) as archive:
         [name] = [name for name in archive.namelist() if name.endswith("entry_points.txt")]
         lines = archive.read(name).decode().partition("[flatland_server.plugins]\n")[2]
@@ -92,7 +92,7 @@ def test_the_entry_points_are_the_plugins_that_the_ros_package_exports(wheel):
     )
 
 
-def test_the_wheel_has_the_packages_worlds_and_definitions_and_nothing_else(wheel):
+def test_the_wheel_has_packages_worlds_and_definitions_only(wheel):
     with zipfile.ZipFile(wheel) as archive:
         names = archive.namelist()
 
@@ -154,7 +154,7 @@ def test_the_office_is_the_same_to_the_bit_as_by_catkin(library):
     assert under_pip == under_catkin
 
 
-def test_the_office_is_the_same_to_the_bit_with_box2d_from_source(library, builder, tmp_path):
+def test_box2d_from_source_gives_the_same_bits_in_the_office(library, builder, tmp_path):
     source = os.environ.get("FLATLAND_BOX2D_SOURCE")
     if not source:
         pytest.skip("FLATLAND_BOX2D_SOURCE names no folder with the source of Box2D 2.4.1")
@@ -176,9 +176,7 @@ def test_the_office_is_the_same_to_the_bit_with_box2d_from_source(library, build
     assert from_source == of_system
 
 
-def test_a_plugin_package_of_a_ros_workspace_is_installed_by_pip_as_it_is(
-    library, builder, tmp_path
-):
+def test_pip_installs_a_ros_plugin_package_unchanged(library, builder, tmp_path):
     """A copy of the example package, renamed as its README says."""
     copy = tmp_path / "my_plugins"
     shutil.copytree(EXAMPLE, copy, ignore=shutil.ignore_patterns("__pycache__"))
@@ -316,7 +314,7 @@ def test_a_page_that_pip_is_enough_for_does_what_it_says(page, reader, tmp_path)
 
 
 @pytest.mark.parametrize("number", [1, 21, 41], ids=["gaps", "planner", "trained"])
-def test_the_example_of_a_sweep_has_all_that_its_controllers_need(number, reader, tmp_path):
+def test_each_controller_of_the_example_sweep_runs(number, reader, tmp_path):
     scenarios = ROOT / "examples" / "sweep" / "scenarios.yaml"
     words = ["sweep", scenarios, "--replay", number, "--out", tmp_path]
 

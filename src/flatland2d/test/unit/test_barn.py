@@ -57,7 +57,7 @@ def test_the_cylinders_and_the_path_of_a_world(tmp_path):
     )
 
 
-def test_worlds_of_the_same_number_without_a_path_beside_them_are_others(tmp_path):
+def test_world_files_without_a_path_file_are_ignored(tmp_path):
     """A clone of the challenge has DynaBARN's, too, which are not well-formed."""
     for name in ("a", "b", "barn", "c", "d"):
         (tmp_path / name).mkdir()
@@ -83,7 +83,7 @@ def test_a_written_world_has_its_obstacles_where_they_were(tmp_path):
         assert {each.shape.radius for each in body.config.footprints} == {0.075}
 
 
-def test_the_command_writes_a_sweep_with_the_rules_of_the_challenge(tmp_path, monkeypatch, capsys):
+def test_the_command_writes_a_sweep_with_the_rules_of_barn(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     write_world(tmp_path, 0)
     write_world(tmp_path, 12)

@@ -291,7 +291,7 @@ def test_a_file_is_whole_once_the_recorder_is_closed(tmp_path):
         recorder.write_step()
 
 
-def test_a_file_stays_in_its_folder_when_the_process_moves_elsewhere(tmp_path, monkeypatch):
+def test_a_recording_survives_a_change_of_the_working_directory(tmp_path, monkeypatch):
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path)
     with Recorder(LocalTransport(), Timekeeper(0.005), "run.bag"):
@@ -333,7 +333,7 @@ def test_a_recording_that_cannot_be_made_is_refused(name, topics, message, tmp_p
     assert list(tmp_path.iterdir()) == []
 
 
-def test_what_is_no_message_is_refused_with_its_topic(tmp_path):
+def test_a_value_that_is_no_message_is_refused_with_its_topic(tmp_path):
     transport = LocalTransport()
     recorder = Recorder(transport, Timekeeper(0.005), tmp_path / "run.bag")
 

@@ -1,4 +1,4 @@
-"""Recordings whose process is killed, or whose disk is full, and files that are none of ours."""
+"""Recordings after a kill of their process or on a full disk, and files of other kinds."""
 
 import os
 import random
@@ -114,9 +114,7 @@ def tmpfs(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", READERS)
-def test_on_a_full_disk_the_simulation_goes_on_and_the_recording_is_complete(
-    suffix, tmpfs, monkeypatch
-):
+def test_a_full_disk_ends_the_recording_not_the_simulation(suffix, tmpfs, monkeypatch):
     monkeypatch.setattr(recording_file, "CHUNK_SIZE", 20_000)
     path = tmpfs / f"run{suffix}"
 
@@ -144,9 +142,7 @@ def file_size():
 
 
 @pytest.mark.parametrize("suffix", READERS)
-def test_wherever_the_disk_is_full_the_chunks_before_are_complete(
-    suffix, tmp_path, monkeypatch, file_size
-):
+def test_all_chunks_before_the_disk_was_full_are_complete(suffix, tmp_path, monkeypatch, file_size):
     monkeypatch.setattr(recording_file, "CHUNK_SIZE", 25_000)
     path = tmp_path / f"run{suffix}"
     record_noise(path)
@@ -162,9 +158,7 @@ def test_wherever_the_disk_is_full_the_chunks_before_are_complete(
         assert len(read) * 10_000 > size - 2 * 30_000 if suffix == ".bag" else read
 
 
-def test_a_disk_without_room_for_the_index_leaves_a_file_to_recover(
-    tmp_path, monkeypatch, file_size
-):
+def test_a_recording_without_room_for_its_index_is_recoverable(tmp_path, monkeypatch, file_size):
     path = tmp_path / "run.bag"
     file_size(4200)  # the beginning takes 4117
     with pytest.raises(RecordingError, match=r"`flatland recover .*run\.bag\.active` reads what"):
@@ -216,7 +210,7 @@ def test_a_file_that_another_process_records_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("told", [True, False], ids=["as it is", "as a megabyte"])
-def test_a_compressed_chunk_of_gigabytes_is_refused_before_it_takes_memory(told, tmp_path):
+def test_a_chunk_that_expands_to_gigabytes_is_refused(told, tmp_path):
     zstandard = pytest.importorskip("zstandard")
     compressor = zstandard.ZstdCompressor().compressobj()
     packed = b"".join(compressor.compress(bytes(1 << 20)) for _ in range(1024)) + compressor.flush()

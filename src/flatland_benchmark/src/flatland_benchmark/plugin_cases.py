@@ -16,6 +16,8 @@ _BLOCKS = 30
 
 _BODY = {"body": "base"}
 _DRIFT = {"odom_drift": {"rotation_per_radian": 0.01}}
+_LAG = {"actuators": {"linear": {"delay": 0.1, "time_constant": 0.1}}}
+_TRACTION = {"actuators": {"traction": {"friction": 0.7}}}
 _CAR = {"wheelbase": 0.3, "max_steer_angle": 0.8, **_BODY}
 _SLIP = {
     **{"mass": 4, "inertia": 0.05, "center_of_mass": 0.15, "friction": 1},
@@ -24,6 +26,8 @@ _SLIP = {
 _PLUGINS: Dict[str, Dict[str, Any]] = {
     "DiffDrive": _BODY,
     "DiffDrive with drift": {"type": "DiffDrive", **_DRIFT, **_BODY},
+    "DiffDrive with lag": {"type": "DiffDrive", **_LAG, **_BODY},
+    "DiffDrive with traction": {"type": "DiffDrive", **_TRACTION, **_BODY},
     "OmniDrive": _BODY,
     "TricycleDrive": {
         "front_wheel_joint": "front",

@@ -32,7 +32,7 @@ def write_world(folder: Path, worlds: Path, robots: int) -> Path:
     """Writes a world of this many robots all over the office into a folder, and its model file.
 
     Args:
-        folder: where the files go.
+        folder: folder to write the files to.
         worlds: the folder of flatland_server's worlds.
         robots: how many; robot `robot_7` has the namespace `robot_7`.
 
@@ -70,7 +70,7 @@ def free_places(map_file: Path, count: int) -> List[Tuple[float, float]]:
 
     Args:
         map_file: of an image map with an origin that is not rotated.
-        count: how many.
+        count: number of places.
 
     Raises:
         ValueError: there are not that many.

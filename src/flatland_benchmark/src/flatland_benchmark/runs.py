@@ -13,7 +13,7 @@ from flatland_server.exceptions import FlatlandError
 
 
 class Clone:
-    """A clone whose cases are run; its own cases in its own workspace.
+    """A clone to run cases of: its own cases, in its own workspace.
 
     Args:
         folder: of another clone, which is built; None: of this one.

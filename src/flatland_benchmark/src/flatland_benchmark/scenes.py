@@ -34,7 +34,7 @@ class Scene:
     Args:
         map_file: the map with the walls.
         poses: the lidar's poses.
-        bodies: all of them visible to lidars.
+        bodies: the bodies, all of which lidars see.
     """
 
     def __init__(self, map_file: Path, poses: List[Pose], bodies: Tuple[Body, ...] = ()) -> None:

@@ -100,7 +100,7 @@ class ServerProcess:
     """A running server, as a context manager: leaving it ends all processes.
 
     Args:
-        world_file: the world that is run.
+        world_file: path of the world file to run.
         update_rate: steps per second of real time.
     """
 

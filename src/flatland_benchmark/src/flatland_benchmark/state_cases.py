@@ -63,7 +63,7 @@ def _time(function: Callable[[], Any]) -> float:
 
 @case("history", "an hour in the office with its history, and seeks")
 def run_history(worlds: Path) -> Figures:
-    """Drives about the office for an hour; then goes to moments at random."""
+    """Drives about the office for an hour; then seeks random times."""
     with Simulation(office(worlds, 360)) as sim:
         without = _drive(sim)
         sim.reset()
@@ -75,9 +75,9 @@ def run_history(worlds: Path) -> Figures:
             "memory [MB]": history.size / 1e6,
         }
         seeks = []
-        for moment in np.random.default_rng(1).uniform(0.0, history.end, _SEEKS):
+        for sought in np.random.default_rng(1).uniform(0.0, history.end, _SEEKS):
             begin = time.process_time()
-            sim.seek(moment)
+            sim.seek(sought)
             seeks.append((time.process_time() - begin) * 1e3)
         figures["seek, median [ms]"] = statistics.median(seeks)
         figures["seek, longest [ms]"] = max(seeks)

@@ -37,9 +37,9 @@ def measure(manager: SimulationManager, duration: float, goes_on: Callable[[], b
     """Runs a simulation, and says how fast it was.
 
     Args:
-        manager: the simulation.
+        manager: the simulation to run.
         duration: simulated time to run for [s].
-        goes_on: false ends it earlier.
+        goes_on: called before each step; false ends the run early.
     """
     timekeeper = manager.timekeeper
     steps = 0

@@ -76,9 +76,7 @@ def test_a_function_with_values_is_a_case_for_each_combination(monkeypatch):
         ([0.0], [2.0], float("inf"), True),
     ],
 )
-def test_a_change_is_beyond_the_spread_if_no_run_is_among_the_others(
-    before, after, change, is_beyond
-):
+def test_a_change_counts_if_the_runs_do_not_overlap(before, after, change, is_beyond):
     assert ratio(before, after) == pytest.approx(change)
     assert is_beyond_spread(before, after) == is_beyond
 

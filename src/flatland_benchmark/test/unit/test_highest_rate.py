@@ -8,7 +8,7 @@ from flatland_benchmark.highest_rate import highest_rate
 
 
 @pytest.mark.parametrize("limit", [1.2, 37.0, 900.0])
-def test_it_is_within_a_twentieth_of_the_limit(limit):
+def test_the_highest_rate_is_within_5_percent_of_the_limit(limit):
     asked = []
 
     def reached(rate):
@@ -25,9 +25,9 @@ def test_a_rate_that_the_simulation_does_not_reach_is_too_high():
     )
 
 
-def test_without_losses_it_is_the_rate_of_a_simulation_as_fast_as_it_goes():
+def test_without_losses_the_rate_is_that_of_the_simulation():
     assert highest_rate(lambda rate: min(rate, 500.0)) == 500.0
 
 
-def test_it_is_0_if_messages_are_missing_in_real_time():
+def test_the_highest_rate_is_0_if_messages_are_lost_in_real_time():
     assert highest_rate(lambda rate: None) == 0.0

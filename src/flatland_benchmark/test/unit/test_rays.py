@@ -48,7 +48,7 @@ def test_flatland_and_box2d_see_the_same_scene(build):
             assert box2d.scan(directions, pose, 50.0) == pytest.approx(ours, abs=2e-3)
 
 
-def test_there_are_as_many_poses_and_bodies_as_said():
+def test_the_scene_of_bodies_has_50_bodies_and_all_poses():
     scene = scenes.bodies(None)
 
     assert len(scene.poses) == scenes.POSES

@@ -20,7 +20,7 @@ class Budget:
     what cannot be dropped, a client that exceeds its budget has to go.
 
     Args:
-        budgets: those of all clients.
+        budgets: the budgets of all clients, to which this one belongs.
         on_excess: called once, with the reason, when the client has to go; on any thread.
     """
 
@@ -45,7 +45,7 @@ class Budget:
         """Counts something that cannot be dropped.
 
         Args:
-            size: its bytes; negative when it is gone.
+            size: in bytes; negative when it is gone.
         """
         with self._budgets.lock:
             self.held += size
@@ -60,9 +60,6 @@ class Budget:
     def offer(self, size: int) -> bool:
         """Counts a message of a topic, if it fits; of any size if it is the only one.
 
-        Args:
-            size: its bytes.
-
         Returns:
             False if it does not fit.
         """
@@ -74,11 +71,7 @@ class Budget:
         return True
 
     def release(self, size: int) -> None:
-        """Counts that a message of a topic waits no longer.
-
-        Args:
-            size: its bytes.
-        """
+        """Counts that a message of a topic waits no longer."""
         with self._budgets.lock:
             self.waiting -= size
             if not self.goes:
@@ -88,7 +81,7 @@ class Budget:
         """Counts something on its way.
 
         Args:
-            size: its bytes; negative when it is sent.
+            size: in bytes; negative when it is sent.
         """
         with self._budgets.lock:
             self.sending += size
@@ -98,7 +91,7 @@ class Budget:
         """Makes the client go.
 
         Args:
-            reason: is told to it.
+            reason: text for the client.
         """
         if self._budgets.discount(self):
             self._on_excess(reason)
@@ -146,7 +139,7 @@ class Budgets:
 
         Args:
             budget: the client's budget.
-            size: how many more.
+            size: bytes to add.
         """
         if budget.goes:
             return
@@ -156,11 +149,7 @@ class Budgets:
             largest.exceed(f"expected at most {self._most} bytes for all clients, found more")
 
     def discount(self, budget: Budget) -> bool:
-        """Leaves out a client that goes. Returns whether it was counted.
-
-        Args:
-            budget: the client's budget.
-        """
+        """Leaves out a client that goes. Returns whether it was counted."""
         with self.lock:
             if budget.goes:
                 return False
@@ -169,10 +158,6 @@ class Budgets:
             return True
 
     def forget(self, budget: Budget) -> None:
-        """Makes room for another client.
-
-        Args:
-            budget: of the one that is gone.
-        """
+        """Makes room for another client."""
         with self.lock:
             self._open.discard(budget)

@@ -66,9 +66,9 @@ class ClientCalls:
     """Makes the calls of a client in their order. It is used on the event loop's thread.
 
     Args:
-        pool: has `MOST_AT_ONCE` threads for each client.
+        pool: runs the calls; it needs `MOST_AT_ONCE` threads for each client.
         budget: of the client, which is closed after the client's last call.
-        outbox: gets the answers.
+        outbox: sends the answers.
 
     Attributes:
         is_closed: whether the client has left.
@@ -88,9 +88,9 @@ class ClientCalls:
         """Adds a call, which is refused if the client makes too many at a time.
 
         Args:
-            service: its name.
+            service: name of the service, for messages.
             size: bytes of the call.
-            answer: makes it; may raise any exception.
+            answer: makes the call and sends its answer; may raise any exception.
             refuse: called on the same thread as `answer`, or on this one.
         """
         if len(self._waiting) + self._going_on >= MOST_CALLS:

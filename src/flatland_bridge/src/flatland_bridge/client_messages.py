@@ -128,7 +128,7 @@ def field(message: Message, key: str, kind: Type[T]) -> T:
 
     Args:
         message: a message of a client.
-        key: the field's key.
+        key: key of the field.
         kind: str, list or dict.
 
     Raises:
@@ -173,8 +173,8 @@ def whole(message: Message, key: str, default: Optional[int] = None) -> int:
 
     Args:
         message: a message of a client.
-        key: the field's key.
-        default: if there is no such field.
+        key: key of the field.
+        default: value of a missing field.
 
     Raises:
         BridgeError: it is something else, or missing without a default.
@@ -204,9 +204,9 @@ def require_type(topic: str, expected: Optional[str], message: Any) -> None:
     """Raises a BridgeError if a topic has another type than a message.
 
     Args:
-        topic: its absolute name.
+        topic: absolute name of the topic, such as "/robot1/scan".
         expected: the topic's type; None if it is not known.
-        message: to be published.
+        message: the message that is to be published.
     """
     if expected not in (None, message._type):
         raise BridgeError(f'the topic "{topic}" expects {expected}, found {message._type}')

@@ -65,7 +65,7 @@ class FoxgloveSession:
 
     Args:
         graph: the topics and services.
-        pool: calls services, which takes time.
+        pool: runs the calls of services.
         budget: counts all that is kept for the client.
     """
 

@@ -94,9 +94,9 @@ class Graph(ABC):
         Once more with an equal function, it only gets the last message of a latched topic again.
 
         Args:
-            topic: its absolute name.
+            topic: absolute name of the topic, such as "/robot1/scan".
             receive: called with each message; first with the last one if the topic is latched.
-            client: has asked for it, and counts what waits until it is done.
+            client: client that asked for it; its budget counts the messages that wait.
 
         Returns:
             A function that ends the subscription.
@@ -104,10 +104,6 @@ class Graph(ABC):
 
     def advertise(self, topic: str, message_type: Any) -> Callable[[], None]:
         """Prepares to publish to a topic.
-
-        Args:
-            topic: its absolute name.
-            message_type: the class of its messages.
 
         Returns:
             A function that ends it.
@@ -120,7 +116,7 @@ class Graph(ABC):
 
         Args:
             topic: its absolute name; advertised, unless the graph is a simulation.
-            message: of the topic's type.
+            message: the message, of the topic's type.
             client: as for `subscribe`.
 
         Raises:
@@ -131,19 +127,12 @@ class Graph(ABC):
     def call(self, service: str, request: Any) -> Any:
         """Calls a service, waits for its response and returns it.
 
-        Args:
-            service: its absolute name.
-            request: of the service's type.
-
         Raises:
             FlatlandError: there is no such service, or the call has failed.
         """
 
     def service_type(self, service: str) -> ServiceType:
         """The type of a service.
-
-        Args:
-            service: its absolute name.
 
         Raises:
             BridgeError: there is no such service.

@@ -39,9 +39,9 @@ class Stream:
     message stays in any case, since it does not come again; the server has it anyhow.
 
     Args:
-        encode: makes what is sent of a message.
+        encode: encodes a message for the client.
         wake: called when there is something to send.
-        budget: of the client.
+        budget: budget of the client.
         report: called once, if a message cannot be encoded.
         throttle: shortest time between two messages [s].
         length: how many messages wait; 0 is no wish. With a throttle, 0 drops what comes early.
@@ -125,8 +125,8 @@ class Stream:
         """Reports a message that cannot be encoded: once, or there would be a report of each.
 
         Args:
-            sample: the message.
-            error: why.
+            sample: message that is not sent.
+            error: exception of the encoding.
         """
         if not self._has_failed:
             self._has_failed = True
@@ -150,8 +150,8 @@ class Outbox:
     """All that waits for one client. Its methods but `wake` are for the event loop's thread.
 
     Args:
-        budget: of the client.
-        pool: encodes large messages.
+        budget: budget of the client.
+        pool: encodes large messages on other threads.
     """
 
     def __init__(self, budget: Budget, pool: Executor) -> None:
@@ -175,17 +175,13 @@ class Outbox:
 
         Args:
             key: the topic, or as the protocol tells subscriptions apart.
-            stream: has the messages.
+            stream: source of the messages.
         """
         self.close(key)
         self._streams[key] = stream
 
     def close(self, key: Hashable) -> None:
-        """Drops a stream, if there is one.
-
-        Args:
-            key: the stream's.
-        """
+        """Drops a stream, if there is one."""
         stream = self._streams.pop(key, None)
         if stream is not None:
             stream.close()
@@ -202,7 +198,7 @@ class Outbox:
         """Adds a reply, which is never dropped. If no other waits, it may have any size.
 
         Args:
-            data: what to send.
+            data: encoded reply.
             payer: the budget of another client that has caused it, and in which it counts.
         """
         if payer is not None:

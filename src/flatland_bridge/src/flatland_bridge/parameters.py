@@ -51,8 +51,8 @@ class Parameters(ABC):
         """Sets a parameter.
 
         Args:
-            name: its absolute name.
-            value: one that ROS's parameters can have.
+            name: absolute name of the parameter, such as "/use_sim_time".
+            value: a value of a type that ROS's parameters can have.
 
         Raises:
             ParameterError: it is another one, or the clients have set too much.
@@ -91,7 +91,7 @@ class LocalParameters(Parameters):
     """Parameters without ROS, which are read on other threads while they change.
 
     Args:
-        values: those of the beginning, by absolute name.
+        values: initial values, by absolute name.
         node: the node with the namespace that is searched.
     """
 

@@ -48,8 +48,8 @@ class _WrongValueError(ValueError):
     """A value is not one of its field's type.
 
     Args:
-        expected: the type, with its range.
-        found: the value.
+        expected: type of the field, with its range.
+        found: value in the message.
     """
 
     def __init__(self, expected: object, found: object) -> None:
@@ -79,9 +79,9 @@ def from_plain(message_type: Any, value: Any, budget: Optional[ObjectBudget] = N
     """A message with the given fields; the others have their defaults.
 
     Args:
-        message_type: its class.
+        message_type: class of the message.
         value: a dict of fields, or a list of all of them in their order.
-        budget: of the messages in it.
+        budget: limits the number of messages within this one.
 
     Raises:
         MessageError: there is no such field, or a value is not one of its type.
@@ -114,7 +114,7 @@ def form_of(message_type: Any, cbor: bool) -> Form:
     """The fields of a message type and how they are converted.
 
     Args:
-        message_type: its class.
+        message_type: class of the messages.
         cbor: as for `to_plain`.
     """
     fields = zip(message_type.__slots__, message_type._slot_types)

@@ -122,11 +122,7 @@ class RosGraph(Graph):
 
 
 class MasterParameters(Parameters):
-    """The parameters of a ROS master.
-
-    Args:
-        uri: the master's.
-    """
+    """The parameters of a ROS master."""
 
     def __init__(self, uri: str) -> None:
         super().__init__()
@@ -156,12 +152,7 @@ class MasterParameters(Parameters):
 
 
 class _Subscription:
-    """The subscription of all clients to a topic.
-
-    Args:
-        topic: its absolute name.
-        graph: has the time.
-    """
+    """The subscription of all clients to a topic."""
 
     def __init__(self, topic: str, graph: RosGraph) -> None:
         self._topic = topic

@@ -55,11 +55,11 @@ class RosServices:
         self._pauses: Dict[str, float] = {}  # until when a server is not asked, by its URI
 
     def follow(self, registrations: List[Registration], master: Master) -> None:
-        """Asks for the types of services that are new, or whose servers did not answer.
+        """Asks for the types of services that are new, or of servers that did not answer before.
 
         Args:
-            registrations: all that there are.
-            master: is asked for their URIs.
+            registrations: the services that are registered at the master.
+            master: master to ask for the URIs of the services.
 
         Raises:
             NO_ANSWER: one of these, by the master.

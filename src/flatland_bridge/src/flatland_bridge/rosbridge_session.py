@@ -84,11 +84,7 @@ class Providers:
         self.numbers = itertools.count(1)
 
     def end_call(self, number: str) -> None:
-        """Forgets a call.
-
-        Args:
-            number: its id.
-        """
+        """Forgets a call."""
         call = self.calls.pop(number)
         call.caller.budget.hold(-call.size)
 
@@ -98,7 +94,7 @@ class RosbridgeSession:
 
     Args:
         graph: the topics and services.
-        pool: calls services, which takes time.
+        pool: runs the calls of services.
         providers: services of other clients.
         budget: counts all that is kept for the client.
     """

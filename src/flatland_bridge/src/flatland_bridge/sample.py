@@ -19,12 +19,12 @@ class Sample:
     """A message of a topic, converted once for all clients.
 
     Args:
-        topic: its absolute name.
+        topic: absolute name of the topic, such as "/robot1/scan".
         nanoseconds: simulated time [ns].
         message_type: the class of the message.
         message: the message, which may be serialized in advance; or None.
-        data: the serialized message, if there is no message.
-        is_latched: whether it is kept anyway, for new subscribers.
+        data: the serialized message; for a sample without a message object.
+        is_latched: whether new subscribers get the message, so that it is kept in any case.
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class Sample:
 
         Args:
             name: the encoding's name.
-            encode: makes them.
+            encode: called with the sample at the first use of the encoding.
         """
         data = self._encodings.get(name)
         if data is None:

@@ -48,7 +48,7 @@ def serve_clients(
         graph: the topics and services.
         rosbridge_port: of rosbridge and the page; 0 takes a free one.
         foxglove_port: of Foxglove; 0 takes a free one, None serves no Foxglove.
-        access: who may connect.
+        access: the clients that may connect.
         client_memory: bytes that are kept for each client.
 
     Raises:
@@ -89,7 +89,7 @@ def open_ros2(access: Access, arguments: Sequence[str] = (), cmd_vel_type: str =
     """A node of ROS 2, for `Server`.
 
     Args:
-        access: who may connect.
+        access: the clients that may connect.
         arguments: as for `Ros2Node`.
         cmd_vel_type: as for `Ros2Node`.
 
@@ -122,7 +122,7 @@ class Server:
         model_folders: folders to search for model files that are not beside the world file.
         state_folder: where clients may save and load states; by default they cannot.
         is_paused: whether it begins with a pause.
-        access: who may connect.
+        access: the clients that may connect.
         rosbridge_port: of rosbridge and the page; 0 takes a free one, None serves ROS 2 alone.
         foxglove_port: of Foxglove; 0 takes a free one, None serves no Foxglove.
         client_memory: bytes that are kept for each client; beyond them it is disconnected.

@@ -1,4 +1,4 @@
-"""A `LocalTransport` whose simulation other threads talk to."""
+"""A `LocalTransport` for a simulation that other threads talk to."""
 
 import threading
 import time
@@ -71,7 +71,7 @@ class SharedTransport(LocalTransport, ServedTransport):
         """Queues an action for the simulation's thread.
 
         Args:
-            action: called between two steps.
+            action: called once, between two steps.
             client: asks for it; None is any that has few of them.
 
         Raises:

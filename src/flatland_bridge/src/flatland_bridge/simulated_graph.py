@@ -225,7 +225,7 @@ class _WorldsByName(ClientFiles):
     Args:
         world: the simulated world.
         state_folder: as for `ClientFiles`.
-        name: of the present world, besides its path; if any.
+        name: name of the present world besides its path; empty for none.
     """
 
     def __init__(self, world: World, state_folder: Optional[Path], name: Optional[str]) -> None:

@@ -35,7 +35,7 @@ class EntityServices:
     """Services that spawn, delete, show and move models.
 
     Args:
-        hub: has the models, and is told of changes.
+        hub: hub with the models; it records their changes.
         call: calls Flatland's own services.
     """
 

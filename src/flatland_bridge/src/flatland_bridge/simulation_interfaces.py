@@ -33,7 +33,7 @@ class SimulationInterfaces:
     """The services, made of those that Flatland has itself.
 
     Args:
-        hub: offers the services; it has Flatland's own.
+        hub: hub with Flatland's services, which gets these in addition.
         worlds: returns the files of the worlds that clients can open by name.
     """
 

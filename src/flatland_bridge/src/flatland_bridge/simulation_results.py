@@ -14,8 +14,8 @@ class Failure(FlatlandError):
     """A result other than RESULT_OK.
 
     Args:
-        code: the result's code.
-        text: for the client.
+        code: result code of simulation_interfaces.
+        text: message for the client.
     """
 
     def __init__(self, code: int, text: str) -> None:

@@ -1,4 +1,4 @@
-"""WebSockets of all protocols, and the page: who may connect, and limits for those who do."""
+"""WebSockets of all protocols, and the page: access, and limits for clients."""
 
 import asyncio
 import hmac
@@ -67,13 +67,13 @@ _LOOPBACK = ("localhost", "127.0.0.1", "::1")
 
 @dataclass(frozen=True)
 class Access:
-    """Who may connect.
+    """The clients that may connect.
 
     Attributes:
         host: the address that the server listens at.
         token: what a URL must have as `?token=`, or a header as `Authorization: Bearer`; if any.
-        origins: of other pages whose scripts may connect, such as "https://example.org"; "null" is
-            a page from a file.
+        origins: of other pages with scripts that may connect, such as "https://example.org"; "null"
+            is a page from a file.
 
     Raises:
         BridgeError: the token is empty.
@@ -106,7 +106,7 @@ class Access:
         """True if a request has the token, or needs none.
 
         Args:
-            request: to open a WebSocket.
+            request: HTTP request that opens a WebSocket.
         """
         if self.token is None:
             return True
@@ -153,8 +153,8 @@ class WebSocketServer:
     """Serves clients on a thread of its own, until it is closed.
 
     Args:
-        endpoints: what to serve.
-        access: who may connect.
+        endpoints: what to serve, each with a port.
+        access: the clients that may connect.
         client_memory: bytes that are kept for each client.
 
     Attributes:
@@ -394,7 +394,7 @@ def _file(path: str) -> Response:
 
 
 def _quiet_logger() -> logging.Logger:
-    """A logger that keeps what clients do wrong to itself: it is they who are told."""
+    """A logger that does not log the errors of clients: the clients are told."""
     logger = logging.getLogger("flatland_bridge.websockets")
     logger.setLevel(logging.CRITICAL)
     return logger

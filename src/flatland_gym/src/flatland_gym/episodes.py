@@ -59,7 +59,7 @@ class Episode:
 
 @dataclass(frozen=True)
 class Choice:
-    """What episodes are drawn from.
+    """The worlds, places and sizes that episodes are drawn from.
 
     Attributes:
         worlds: the indices of the worlds.
@@ -78,9 +78,9 @@ class EpisodeSampler:
     """Draws episodes.
 
     Args:
-        worlds: that episodes choose from.
-        settings: of the environment.
-        maps: of the settings.
+        worlds: worlds that episodes choose from.
+        settings: settings of the environment.
+        maps: the maps of `settings`; None without any.
     """
 
     def __init__(
@@ -138,7 +138,7 @@ class EpisodeSampler:
 
         Args:
             rng: the environment's random numbers.
-            choice: of `choice`.
+            choice: what to draw from; see `choice`.
 
         Raises:
             UsageError: a place is wrong, such as a goal in a wall; or there is no room. The random

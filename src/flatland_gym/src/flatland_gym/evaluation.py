@@ -47,9 +47,9 @@ def evaluate(
     """Runs an episode of each seed; its result does not depend on the other seeds.
 
     Args:
-        policy: drives the robot.
-        seeds: the environments' seeds.
-        threads: how many are stepped at a time.
+        policy: policy that drives the robot.
+        seeds: a seed for each episode.
+        threads: number of environments that are stepped at a time.
         arguments: of the environment; see `NavigationSettings`.
 
     Raises:

@@ -24,8 +24,8 @@ class Fleet(ABC):
     """A world at n places.
 
     Args:
-        world: that is simulated.
-        settings: of the environment.
+        world: the world to simulate.
+        settings: settings of the environment.
         rows: what the robots measure; overwritten in each step. A row for each robot, those of the
             first place first.
     """
@@ -57,7 +57,7 @@ class Fleet(ABC):
 
         Args:
             actions: of all robots, shape (n, size of an action); finite.
-            indices: of the robots' rows, in increasing order.
+            indices: rows of the robots in the arrays, in increasing order.
         """
 
     @abstractmethod
@@ -69,8 +69,8 @@ class Fleet(ABC):
         """Stops robots that `step` is no longer called with, and parks those that leave.
 
         Args:
-            indices: of the robots' rows, in increasing order.
-            leaving: of all robots.
+            indices: rows of the robots in the arrays, in increasing order.
+            leaving: the robots that leave the world, as a mask of all robots.
         """
 
     @abstractmethod
@@ -100,11 +100,11 @@ class BatchFleet(Fleet):
     It gives the same numbers as a `SimulationFleet`, bit for bit.
 
     Args:
-        world: that is simulated.
-        settings: of the environment.
-        rows: what the robots measure.
-        threads: of the batch.
-        maps: of the settings.
+        world: the world to simulate.
+        settings: settings of the environment.
+        rows: arrays for the measurements of the robots.
+        threads: number of threads of the batch.
+        maps: the maps of `settings`.
 
     Raises:
         PluginError: a plugin of the world runs in Python at each step.

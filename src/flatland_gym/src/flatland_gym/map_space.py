@@ -1,4 +1,4 @@
-"""Where a robot can stand on one map of many."""
+"""The free space of a robot on one map of many."""
 
 import math
 from typing import Dict
@@ -10,7 +10,7 @@ from flatland_server import FloatArray, Segments, from_segments
 
 
 class MapSpace:
-    """Where a robot can stand on a map; as a `DistanceGrid`, in a hundredth of the memory.
+    """The free space of a robot on a map: like a `DistanceGrid`, in a hundredth of the memory.
 
     Args:
         walls: shape (n, 4) [m].

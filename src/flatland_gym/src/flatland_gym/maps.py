@@ -36,8 +36,8 @@ class Maps:
 
     Args:
         settings: of the environments, with `maps`.
-        world: that has other walls on each map.
-        count: of the environments.
+        world: world in which each map replaces the walls of the first layer.
+        count: number of environments.
     """
 
     def __init__(self, settings: NavigationSettings, world: NavigationWorld, count: int) -> None:

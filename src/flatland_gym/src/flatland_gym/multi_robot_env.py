@@ -36,8 +36,8 @@ class MultiRobotEnv(ByArguments, ParallelEnv[str, Any, Any]):
 
     Args:
         robots: how many there are, two at least: each one like the world's robot.
-        render_mode: None, or the surroundings of the first robot that is there: "rgb_array", or
-            "human" (a page in the browser).
+        render_mode: None, or the area around the first robot that is there: "rgb_array", or "human"
+            (a page in the browser).
         at_goal: "leave", or "stay": a robot that has reached its goal stops and stays in the world,
             where others see and hit it. Its episode has ended, too.
         shared_rewards: the part of each reward that is replaced by the mean of the rewards of all

@@ -18,8 +18,9 @@ class MultiRobotVectorEnv(NavigationVectorEnv):
     """n environments with m robots each; see `MultiRobotEnv` for what each one is.
 
     Observations, actions, rewards, ends and infos have the shape (n, m, ...), with zeros for robots
-    whose episodes have ended. An environment is reset, as the autoreset mode says, when those of
-    all its robots have. The results equal, bit for bit, those of n `MultiRobotEnv`.
+    after the end of their episodes. An environment is reset, as the autoreset mode says, when the
+    episodes of all its robots have ended. The results equal, bit for bit, those of n
+    `MultiRobotEnv`.
 
     Args:
         num_envs: number of environments, n.

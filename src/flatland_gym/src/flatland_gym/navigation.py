@@ -40,8 +40,8 @@ class Navigation:
     write to the same rows.
 
     Args:
-        settings: what the environments are.
-        count: how many there are.
+        settings: settings of the environments.
+        count: number of environments, n.
         threads: how many are stepped at a time; results do not depend on it.
         robots: how many each environment has, m. A single environment of several is a `Simulation`,
             also where a batch would do. Results do not depend on that.
@@ -127,8 +127,8 @@ class Navigation:
         """Begins an episode in each of these environments.
 
         Args:
-            indices: of the environments.
-            generators: the random numbers of each.
+            indices: indices of the environments to reset.
+            generators: random number generator of each of them.
             options: see `EpisodeSampler.choice`; those in `options` apply where these have none.
 
         Raises:
@@ -173,7 +173,7 @@ class Navigation:
 
         Args:
             actions: of all robots, as `checked_actions` returns them.
-            indices: of the robots' rows, in increasing order.
+            indices: rows of the robots in the arrays, in increasing order.
 
         Returns:
             New arrays of all rows; those of other robots are 0 and False.
@@ -215,10 +215,10 @@ class Navigation:
         return np.where(rows, rewards, 0.0), terminated & rows, truncated
 
     def retire(self, indices: IntArray, leaving: BoolArray) -> None:
-        """Stops robots whose episodes have ended, of environments in which others go on.
+        """Stops robots after the ends of their episodes, in environments in which others go on.
 
         Args:
-            indices: of their rows.
+            indices: rows of the robots in the arrays.
             leaving: those that are taken out of their world, (n * m,).
         """
         for world, fleet in self._fleets.items():
@@ -266,8 +266,8 @@ class Navigation:
         """Puts environments into states, and their episodes.
 
         Args:
-            indices: of the environments.
-            states: of `save_states`, one for each.
+            indices: indices of the environments.
+            states: results of `save_states`, one for each.
 
         Raises:
             FlatlandError: a state does not fit.
@@ -313,7 +313,7 @@ class Navigation:
         return self._standard() if self._parts is None else self._parts.flat(self._known())
 
     def privileged(self) -> Float32Array:
-        """What the setting `privileged` asks for, of all robots: a new array."""
+        """The parts in the setting `privileged`, of all robots: a new array."""
         assert self._privileged is not None
         return self._privileged.flat(self._known())
 

@@ -34,7 +34,7 @@ class NavigationVectorEnv(ByArguments, VectorEnv[Any, Any, Any]):
     Arrays that are returned are new ones in each call, and never written to again.
 
     Args:
-        num_envs: how many there are, n.
+        num_envs: number of environments, n.
         threads: how many are stepped at a time; results do not depend on it.
         autoreset_mode: what follows the end of an episode: "NextStep", "SameStep" or "Disabled".
         render_mode: None, "rgb_array" or "ansi".

@@ -23,9 +23,9 @@ class Neighbors:
     Args:
         worlds: the environments' worlds.
         settings: the environments' settings.
-        count: of the robots, n.
-        team: how many there are in each environment.
-        maps: of the settings.
+        count: number of robots, n.
+        team: number of robots in each environment.
+        maps: the maps of `settings`.
 
     Attributes:
         seeds: of the present episodes, shape (n,).

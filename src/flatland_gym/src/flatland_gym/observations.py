@@ -29,7 +29,7 @@ def bounds(beams: int, parts: int, neighbors: int = 0) -> Tuple[Float32Array, Fl
     Args:
         beams: number of the lidar's beams.
         parts: number of the velocity's parts.
-        neighbors: in an observation.
+        neighbors: number of neighbours in an observation.
     """
     fastest = _FASTEST_NEIGHBOR
     low = [0.0] * beams + [0.0, -1.0, -1.0] + [-FASTEST] * parts
@@ -45,7 +45,7 @@ def mirror_signs(beams: int, velocity_limits: Sequence[float], neighbors: int = 
     Args:
         beams: number of the lidar's beams.
         velocity_limits: of forwards, to the left and turning; 0 for no such part.
-        neighbors: in an observation.
+        neighbors: number of neighbours in an observation.
     """
     velocity = [sign for sign, limit in zip((1.0, -1.0, -1.0), velocity_limits) if limit > 0.0]
     signs = [1.0] * beams + [1.0, 1.0, -1.0] + velocity

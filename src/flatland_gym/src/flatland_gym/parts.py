@@ -109,7 +109,7 @@ def _squares(walls: Segments, resolution: float) -> FloorSquares:
 
 
 class Known(NamedTuple):
-    """What parts are made of, beside a `Situation`.
+    """The data that parts are computed from, besides a `Situation`.
 
     Attributes:
         flat: the observations without parts of a user's own, (n, size).
@@ -142,9 +142,9 @@ class Parts:
 
     Args:
         parts: of `observation` or `privileged`, as a user has given them.
-        beams: of the lidar.
-        velocities: parts of the velocity.
-        neighbors: in an observation.
+        beams: number of the lidar's beams.
+        velocities: number of velocity components.
+        neighbors: number of neighbours in an observation.
         walls_at: returns the walls of a place, see `Known`.
         models: the names of all other models, m.
 

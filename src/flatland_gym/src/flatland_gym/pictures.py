@@ -18,7 +18,7 @@ _GOAL = (46, 160, 67)
 
 
 def picture(simulation: Simulation, robot: str, goal: Point, goal_radius: float) -> Any:
-    """The surroundings of a robot with its lidar and its goal: uint8, shape (480, 480, 3).
+    """The area around a robot, with its lidar and its goal: uint8, shape (480, 480, 3).
 
     A goal outside of the picture is an arrow at its edge.
     """

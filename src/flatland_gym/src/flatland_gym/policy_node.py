@@ -20,7 +20,7 @@ class PolicyNode:
     Its methods are callbacks of subscriptions to the topics of a robot, in any thread.
 
     Args:
-        policy: drives the robot.
+        policy: policy that drives the robot.
         publisher: of geometry_msgs/Twist; anything with a method `publish`.
         goal_radius: how near to the goal the robot stops [m].
         report: called with what makes the policy give up a goal, such as `rospy.logerr`.

@@ -15,7 +15,7 @@ class OtherModels:
 
     Args:
         names: of the models, m.
-        read: returns their poses and velocities.
+        read: returns their poses and velocities, shape (n, m, 3) each.
 
     Attributes:
         names: of the models, in the order of the arrays.
@@ -93,7 +93,7 @@ class RewardWeights:
 
         Args:
             progress: by which the goal has come nearer [m].
-            success: whether it is reached.
+            success: whether the goal is reached.
             collision: whether the robot has touched something.
             period: length of the step [s].
         """
@@ -105,8 +105,8 @@ def navigation_reward(step: Transition, weights: RewardWeights) -> FloatArray:
     """The reward of a step: progress, success, collision and time; shape (n,).
 
     Args:
-        step: of n environments.
-        weights: of these parts.
+        step: a step of n environments.
+        weights: weights of the parts of the reward.
     """
     reward: FloatArray = weights.reward(
         step.previous_distance - step.distance, step.success, step.collision, step.period

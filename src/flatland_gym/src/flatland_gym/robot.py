@@ -50,10 +50,10 @@ class Robot:
         """Describes a robot of a world.
 
         Args:
-            world: that has it.
+            world: world to look in.
             name: the model's name.
             lidar: the name of its lidar.
-            settings: have the limits for a drive without limits of its own.
+            settings: settings with the limits for a drive without limits of its own.
 
         Raises:
             ModelError: it has no drive, or several ones.

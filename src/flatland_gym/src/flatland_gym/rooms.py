@@ -45,11 +45,7 @@ class Rooms:
             )
 
     def __call__(self, rng: np.random.Generator) -> Segments:
-        """The walls of a map: shape (n, 4) [m].
-
-        Args:
-            rng: the random numbers.
-        """
+        """The walls of a map: shape (n, 4) [m]."""
         size = np.array(self.size)
         half, cells = size / 2.0, np.floor(size / self.door).astype(int)
         pitch = size / cells

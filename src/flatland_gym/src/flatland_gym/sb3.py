@@ -31,7 +31,7 @@ class NavigationVecEnv(ByArguments, VecEnv):
     that has ended it, and `reset_infos` has those of the reset.
 
     Args:
-        num_envs: how many environments there are.
+        num_envs: number of environments, n.
         arguments: those of `NavigationVectorEnv`, but its `autoreset_mode`.
 
     Raises:
@@ -138,12 +138,13 @@ class MultiRobotVecEnv(NavigationVecEnv):
         model = PPO("MlpPolicy", MultiRobotVecEnv(num_envs=16, robots=4, world="discs"))
 
     Each robot is an environment of the learner, and `num_envs` is their number: those of the first
-    environment come first. A robot whose episode has ended gets zeros, and rewards of 0, until
-    those of all robots of its environment have; then all of them are done, and begin the next.
+    environment come first. After the end of its episode, a robot gets zeros, and rewards of 0,
+    until the episodes of all robots of its environment have ended; then all are done, and begin
+    the next.
 
     Args:
-        num_envs: how many environments there are.
-        robots: how many each has, two at least.
+        num_envs: number of environments, n.
+        robots: number of robots in each, two at least.
         arguments: those of `MultiRobotVectorEnv`, but its `autoreset_mode`.
 
     Raises:

@@ -38,7 +38,7 @@ class ScaledActions(VecEnvWrapper):
     """Actions of [-1, 1], in units of the drive's limits, as PPO's exploration expects.
 
     Args:
-        venv: the environments.
+        venv: environments with actions in the drive's units.
     """
 
     def __init__(self, venv: NavigationVecEnv) -> None:

@@ -80,8 +80,8 @@ class RobotSimulation(Fleet):
         """Makes a step of the environment with some robots.
 
         Args:
-            numbers: of the robots' rows.
-            commands: of each of these robots; finite.
+            numbers: rows of the robots in the arrays.
+            commands: the actions of these robots; finite.
         """
         simulation, collided = self.simulation(0), self._rows.collided
         for number, command in zip(numbers, commands):
@@ -136,9 +136,9 @@ class SimulationFleet(Fleet):
     """A `RobotSimulation` at each place, made when it is first needed.
 
     Args:
-        world: that is simulated.
-        settings: of the environment.
-        rows: what the robots measure.
+        world: the world to simulate.
+        settings: settings of the environment.
+        rows: arrays for the measurements of the robots.
         threads: how many places are stepped at a time.
     """
 

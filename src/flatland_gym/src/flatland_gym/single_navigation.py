@@ -42,7 +42,7 @@ class SingleNavigation(Navigation):
         """Makes a step.
 
         Args:
-            action: as a program has passed it.
+            action: the action, which is checked here.
 
         Raises:
             UsageError: the action has another shape, is no number or not finite. The environment is

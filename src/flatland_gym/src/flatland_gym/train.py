@@ -128,7 +128,7 @@ class Ppo:
 
         Args:
             steps: at least; ends after the update that reaches them.
-            seconds: at most.
+            seconds: longest time of the training [s].
             report: called after each update.
 
         Returns:
@@ -240,7 +240,7 @@ class Network:
 
     Args:
         sizes: of the input, of each hidden layer, and of the output.
-        gain: of the last layer's initial weights.
+        gain: scale of the last layer's initial weights.
         rng: draws the initial weights: orthogonal, which is known to help PPO.
     """
 
@@ -265,7 +265,7 @@ class Network:
         """The gradients of the parameters, in their order.
 
         Args:
-            values: what `forward` has returned.
+            values: what `forward` has returned for the inputs.
             gradient: of the output, shape (n, size).
         """
         weights: Arrays = []
@@ -290,7 +290,7 @@ class Adam:
     """Adam (Kingma and Ba, 2015), with the gradients' common norm limited.
 
     Args:
-        parameters: changed in place by `step`.
+        parameters: the parameters; `step` changes them in place.
     """
 
     def __init__(self, parameters: Arrays) -> None:
@@ -358,7 +358,7 @@ class Mirror:
 
     Args:
         robot: with `mirrored_beams`.
-        neighbors: in an observation.
+        neighbors: number of neighbours in an observation.
     """
 
     def __init__(self, robot: "Robot", neighbors: int) -> None:
@@ -370,7 +370,7 @@ class Mirror:
 
     @classmethod
     def of(cls, navigation: "Navigation") -> "Optional[Mirror]":
-        """That of an environment; None if the robot's lidar does not look to both sides alike.
+        """The mirror images of an environment; None if the lidar is not left-right symmetric.
 
         Raises:
             UsageError: its observations are of a user's own parts.

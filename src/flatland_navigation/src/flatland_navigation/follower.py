@@ -86,7 +86,7 @@ class PathFollower:
         """The command that leads along the path.
 
         Args:
-            pose: of the robot, in the frame of the path.
+            pose: pose of the robot in the frame of the path.
             period: time between commands [s]; the robot is slower if that is long.
         """
         config = self._config

@@ -74,7 +74,7 @@ class Grid:
         return bool(inside[0] != inside[1])
 
     def with_obstacles(self, points: FloatArray) -> "Grid":
-        """A copy in which the surroundings of further points [m] are blocked: shape (n, 2)."""
+        """A copy in which the cells around further points [m] are blocked: shape (n, 2)."""
         # One point of each small square represents the others in it.
         squares = np.unique(np.floor(points / (self.resolution / 2)), axis=0)
         centres = (squares + 0.5) * (self.resolution / 2)

@@ -58,7 +58,7 @@ class Navigator:
     """Drives one robot; all positions are in the frame of the grid.
 
     Args:
-        grid: where the robot's centre may be.
+        grid: free cells for the robot's centre.
         config: radius, speeds, time limits.
     """
 
@@ -106,7 +106,7 @@ class Navigator:
         """The command for a robot at a pose.
 
         Args:
-            pose: the robot's pose.
+            pose: pose of the robot in the frame of the grid [m, m, rad].
             time: of the pose [s]; if it lies before that of the last pose, simulated time has
                 gone back, and scans are dropped.
         """

@@ -38,9 +38,6 @@ _SCAN_LIMIT = 5.0  # s of simulated time after which a missing scan is warned ab
 class NavigatorNode:
     """The topics of a `Navigator`; see the module.
 
-    Args:
-        parameters: the node's parameters.
-
     Raises:
         FlatlandError: the world cannot be read.
     """

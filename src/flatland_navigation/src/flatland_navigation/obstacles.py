@@ -25,7 +25,7 @@ def scan_points(
         angle_min: of the first beam, in the sensor's frame [rad].
         increment: between beams [rad].
         range_max: [m].
-        sensor: its pose in the frame of the result.
+        sensor: pose of the lidar in the frame of the result.
         handedness: -1 for a sensor that is mounted upside down, otherwise 1.
 
     Returns:

@@ -29,7 +29,7 @@ def plan(grid: Grid, start: Point, goal: Point) -> FloatArray:
     A start that is too near to a wall is left on a straight line to the nearest free cell.
 
     Args:
-        grid: where the robot's centre may be.
+        grid: free cells for the robot's centre.
         start: position of the robot [m].
         goal: where to drive [m].
 
@@ -57,7 +57,7 @@ def shortest_path(free: BoolArray, start: Cell, goal: Cell) -> List[Cell]:
     A diagonal step needs both cells beside it to be free.
 
     Args:
-        free: by row and column.
+        free: true for free cells, shape (rows, columns).
         start: a free cell.
         goal: a free cell.
 
@@ -105,7 +105,7 @@ def shortcut(grid: Grid, path: FloatArray) -> FloatArray:
     """A path without the corners that a straight line over free cells leaves out.
 
     Args:
-        grid: where lines may be.
+        grid: free cells for the lines of the path.
         path: shape (n, 2) [m].
 
     Returns:

@@ -102,7 +102,7 @@ def test_the_nearest_free_cell():
     assert grid.nearest_free((-3.0, 1.5), 0.5) is None
 
 
-def test_a_map_without_walls_and_one_that_is_too_large_are_refused():
+def test_a_map_without_walls_or_too_large_is_refused():
     with pytest.raises(ValueError, match="found none"):
         Grid.from_walls(np.empty((0, 4)), 0.2, 0.1)
     with pytest.raises(ValueError, match="choose a coarser resolution"):

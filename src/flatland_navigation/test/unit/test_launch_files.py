@@ -237,7 +237,7 @@ def test_waypoints_may_come_from_a_file():
 
 @pytest.mark.skipif(not missing_packages(), reason="the navigation stack is installed")
 @pytest.mark.parametrize("launch", [["navigation.launch"], ["robot.launch", "ns:=r1"]])
-def test_without_the_stack_one_line_says_so_and_nothing_is_started(launch):
+def test_without_the_stack_one_line_says_so_and_nothing_starts(launch):
     port = free_port()
     result = subprocess.run(
         [

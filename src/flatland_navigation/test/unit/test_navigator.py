@@ -139,7 +139,7 @@ def test_a_robot_that_does_not_move_is_stuck():
     assert 4.9 <= active[-1] <= 5.0
 
 
-def test_a_goal_is_given_up_in_the_update_in_which_a_way_around_is_due():
+def test_a_stuck_robot_gives_up_even_when_a_replan_is_due():
     config = NavigatorConfig(stuck_after=1.0, replan_after=1.0)
     navigator = Navigator(grid_of(corridor()), config)
     navigator.set_goal(Pose(3.0, 0.0, 0.0))

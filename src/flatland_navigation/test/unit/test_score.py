@@ -53,7 +53,7 @@ def test_clearance_errors_and_changes_of_the_command():
     assert (row["shortest_path"], row["spl"]) == (None, None)
 
 
-def test_a_goal_without_a_pose_has_no_figures_and_the_table_leaves_them_out():
+def test_a_rejected_goal_has_no_figures_in_the_table():
     rows = [GoalScore(1, 1.0).row("rejected"), drive(GoalScore(2, 1.0), (0, 0), (1, 0)).row("goal")]
 
     assert rows[0]["min_clearance"] is None

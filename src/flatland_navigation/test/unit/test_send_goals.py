@@ -58,5 +58,5 @@ def test_goals_are_sent_in_order_and_failures_set_the_exit_code(send, reaches, c
     assert send(reaches, loop=False) == (code, [1, 2])
 
 
-def test_a_loop_ends_after_a_round_without_a_goal_that_was_reached(send):
+def test_a_loop_ends_after_a_round_that_reached_no_goal(send):
     assert send(3, loop=True) == (1, [1, 2, 1, 2, 1, 2])

@@ -43,7 +43,7 @@ class Actuators(NamedTuple):
         """Reads the section.
 
         Args:
-            config: of the drive.
+            config: the drive's entry in the model file.
             is_steered: whether the angular axis is a steering angle, which has no noise.
         """
         section = config.get_section("actuators")

@@ -17,7 +17,7 @@ class Agent(NamedTuple):
 
     @property
     def is_valid(self) -> bool:
-        """Whether its numbers are finite, and none is too large."""
+        """True if its numbers are finite, and none is too large."""
         return all(abs(value) < FARTHEST for value in (*self.point, *self.velocity))
 
 

@@ -65,26 +65,26 @@ class Crowd(WorldPlugin):
 
     def _check_room(self, config: YamlReader) -> None:
         """Raises an error if people would start too close to something."""
-        for person, room in zip(self._people, self._crowd.rooms()):
+        for person, distances in zip(self._people, self._crowd.clearances()):
             if person.config.walks:
                 continue
             radius = person.config.build.radius
-            for what, left in zip(("a wall", "a model", "another pedestrian"), room):
-                if left < radius - _TOLERANCE:
+            for what, clearance in zip(("a wall", "a model", "another pedestrian"), distances):
+                if clearance < radius - _TOLERANCE:
                     problem = f"expected room for a radius of {radius:g} m, found {what}"
-                    after = f"after {max(left, 0.0):.2g} m"
+                    after = f"after {max(clearance, 0.0):.2g} m"
                     key = "pose" if person.config.area is None else "area"
                     config.note(person.config.reader.error(f"{problem} {after}", key))
         config.raise_problems()
 
     @property
     def people(self) -> Sequence[Model]:
-        """The models of those who are there, or will come."""
+        """The models of the people that are there, or will come."""
         return [person.model for person in self._people if self._is_there(person)]
 
     @property
     def groups(self) -> Sequence[Sequence[Model]]:
-        """Those who are there of each group."""
+        """The people of each group that are there, not away."""
         groups: Dict[str, List[Model]] = {}
         for person in filter(self._is_there, self._people):
             if person.config.group is not None:
@@ -102,7 +102,7 @@ class Crowd(WorldPlugin):
         return self._publisher.has_subscribers
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Publishes the poses of those who are there."""
+        """Publishes the poses of the people that are there."""
         poses = PoseArray(header=header(timekeeper.nanoseconds, self._frame_id))
         for model in self.people:
             if model.is_away:

@@ -215,12 +215,7 @@ class WalkConfig:
 
     @classmethod
     def read(cls, config: YamlReader, registry: CollisionFilterRegistry) -> "WalkConfig":
-        """Reads the keys.
-
-        Args:
-            config: the plugin's configuration.
-            registry: the layers of the world.
-        """
+        """Reads the keys."""
         layers = config.get_strings("layers", ("all",))
         layer_bits = 0
         try:
@@ -323,7 +318,7 @@ def _names(name: str, first: int) -> Iterator[str]:
 def _read_random(
     section: YamlReader, names: Iterator[str], build: Build, attention: Attention
 ) -> List[PedestrianConfig]:
-    """The pedestrians whose places and goals are drawn."""
+    """The pedestrians with places and goals that are drawn."""
     count = section.get_int("count", minimum=0, maximum=_MOST_DRAWN)
     standing = section.get_int("standing", 0, minimum=0, maximum=_MOST_DRAWN)
     if standing > count:

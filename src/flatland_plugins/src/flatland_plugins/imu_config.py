@@ -34,8 +34,8 @@ class ImuConfig:
         """Reads the keys; `update_rate` is an alias of `pub_rate`.
 
         Args:
-            config: has the keys.
-            static_tf: the default of this key.
+            config: the plugin's entry in the model file.
+            static_tf: default of the key `static_tf`.
         """
         noises, covariances = [], []
         for quantity in QUANTITIES:

@@ -38,10 +38,10 @@ class LaserConfig:
         """Reads all keys but those of bodies.
 
         Args:
-            config: has the keys.
+            config: the plugin's entry in the model file.
             name: of the plugin, and the default of its frame.
-            no_return: the default of this key.
-            static_tf: likewise.
+            no_return: default of the key `no_return`.
+            static_tf: default of the key `static_tf`.
         """
         angle = config.get_section("angle", required=True)
         angle_min = angle.get_float("min")

@@ -54,7 +54,7 @@ class OdometryPlugin(ModelPlugin):
         """Opens the topics, after `read_frames`.
 
         Args:
-            body: its origin is tracked.
+            body: body with the origin that is tracked.
             config: topics, noise and drift.
             period: between two messages [s]; 0 if every step has one.
             slips: whether the wheels of a drive of the body may slip: they are what is measured.

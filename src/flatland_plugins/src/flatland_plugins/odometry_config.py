@@ -43,10 +43,10 @@ class OdometryConfig:
         """Reads the keys, as documented, from a drive's configuration.
 
         Args:
-            config: of the drive.
-            enable_twist_pub: the default of that key.
-            enable_odom_tf_pub: the default of that key.
-            odom_pub: the default of that key.
+            config: the drive's entry in the model file.
+            enable_twist_pub: default of the key `enable_twist_pub`.
+            enable_odom_tf_pub: default of the key `enable_odom_tf_pub`.
+            odom_pub: default of the key `odom_pub`.
         """
         pose_noise = config.get_floats("odom_pose_noise", 3, _NO_NOISE, minimum=0.0)
         twist_noise = config.get_floats("odom_twist_noise", 3, _NO_NOISE, minimum=0.0)

@@ -41,8 +41,8 @@ class DriftVariances:
         """Adds a drift of these variances to a body, in the core; see `Body.add_drift`.
 
         Args:
-            body: its origin is tracked.
-            key: of the random numbers.
+            body: body with the origin that is tracked.
+            key: key of the random numbers: equal keys give equal errors.
             period: between two updates [s]; 0 if every step is one.
         """
         return body.physics_body.add_drift(

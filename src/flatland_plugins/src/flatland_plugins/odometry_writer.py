@@ -44,7 +44,7 @@ class MotionWriter(MessageWriter):
 
     Args:
         make: makes an Odometry or a TwistWithCovarianceStamped of a time [ns], with the constants.
-        poses: of the body, in the world, for the core.
+        poses: the pose of the body in the world.
         read: returns the present motion, for messages as objects.
         is_local: whether the twist is in the frame of the body, instead of that of the pose.
     """
@@ -120,10 +120,10 @@ def odometry_maker(
     """Makes Odometry messages of a time.
 
     Args:
-        frame_id: the pose's frame id.
-        child_frame_id: of the twist.
+        frame_id: frame of the pose.
+        child_frame_id: frame of the twist.
         pose_covariance: 6 x 6, row by row.
-        twist_covariance: the same.
+        twist_covariance: 6 x 6, row by row.
     """
 
     def make(nanoseconds: int) -> Any:
@@ -141,7 +141,7 @@ def twist_maker(frame_id: str, covariance: Sequence[float]) -> Callable[[int], A
     """Makes TwistWithCovarianceStamped messages of a time.
 
     Args:
-        frame_id: the twist's frame id.
+        frame_id: frame of the twist.
         covariance: 6 x 6, row by row.
     """
 

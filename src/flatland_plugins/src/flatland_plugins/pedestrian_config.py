@@ -51,7 +51,7 @@ class PedestrianKeys:
 
         Args:
             config: the plugin's configuration.
-            model: its model.
+            model: the plugin's model.
             legs: its legs, if it has some.
             circle: the body that is drawn around it, if there is one.
         """

@@ -81,7 +81,7 @@ class Person(NamedTuple):
         """Lets it walk as one of a crowd.
 
         Args:
-            crowd: in the core.
+            crowd: the crowd in the core.
             leg_radii: of a leg on the floor, and in the middle of its swing [m].
             group: the number of its group; -1: none.
         """

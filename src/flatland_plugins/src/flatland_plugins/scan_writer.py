@@ -15,12 +15,7 @@ _CONSTANT_FIELDS = (
 
 
 class ScanWriter(MessageWriter):
-    """Makes LaserScans that differ in their times, ranges and intensities alone.
-
-    Args:
-        frame_id: the lidar's frame id.
-        fields: the other fields of a LaserScan.
-    """
+    """Makes LaserScans that differ in their times, ranges and intensities alone."""
 
     def __init__(self, frame_id: str, **fields: float) -> None:
         self._frame_id = frame_id

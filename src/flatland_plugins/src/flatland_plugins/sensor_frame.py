@@ -18,11 +18,7 @@ TransformStamped = messages.get("geometry_msgs/TransformStamped")
 
 
 def static_by_default(plugin: ModelPlugin) -> bool:
-    """The default of the key `static_tf`: the server's parameter.
-
-    Args:
-        plugin: the sensor.
-    """
+    """The default of the key `static_tf`: the server's parameter."""
     return bool(plugin.node.get_param("~static_tf", False))
 
 
@@ -30,7 +26,7 @@ def read_tf_topic(config: YamlReader, static: bool) -> Optional[str]:
     """Reads the topic of a sensor's transform; None if it is not published.
 
     Args:
-        config: has the keys.
+        config: the plugin's entry in the model file.
         static: the default of the key `static_tf`.
     """
     is_broadcast = config.get_bool("broadcast_tf", True)
@@ -44,9 +40,9 @@ class SensorFrame:
     Once on /tf_static, or with each measurement on /tf, as the original does.
 
     Args:
-        plugin: the sensor.
+        plugin: the plugin of the sensor.
         body: the body it is mounted on.
-        frame: its frame, without the model's namespace.
+        frame: name of its frame, without the model's namespace.
         tf_topic: of the transform; None if it is not published.
         pose: of the sensor, in the body's frame.
         roll: of the sensor, about the body's x axis [rad].

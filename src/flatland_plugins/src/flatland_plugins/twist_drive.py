@@ -71,8 +71,8 @@ class TwistDrive(OdometryPlugin, ABC):
         """Reads the actuators, and returns them as the core's drives take them.
 
         Args:
-            config: of the drive.
-            body: that it drives.
+            config: the drive's entry in the model file.
+            body: body that the drive moves.
             is_steered: whether their angular axis is a steering angle.
         """
         self._actuators = config.read_once(Actuators.read, is_steered)
@@ -106,7 +106,7 @@ class TwistDrive(OdometryPlugin, ABC):
         """Obeys the messages of a topic; warns of the first in a series of invalid ones.
 
         Args:
-            topic: of the commands.
+            topic: name of the topic of commands.
             kind: the type of its messages.
             obey: passes a message to the drive of the core; raises a ValueError for an invalid one.
         """

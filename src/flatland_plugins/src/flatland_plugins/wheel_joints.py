@@ -20,11 +20,11 @@ def get_wheel(
     """A wheel's joint, and its anchor on the driven body.
 
     Args:
-        drive: has the model.
-        config: of the drive; problems are noted there.
-        key: names the joint.
-        body: that is driven.
-        kind: of the joint: revolute or weld.
+        drive: the drive of the model.
+        config: the drive's entry in the model file, for problems.
+        key: key with the name of the joint.
+        body: body that the drive moves.
+        kind: type of the joint: revolute or weld.
         default: see `ModelPlugin.get_joint`.
     """
     joint = drive.get_joint(config, key, default)

@@ -92,7 +92,7 @@ def write_world(folder: Path, drive="DiffDrive", noise="0", models=WORLD, others
     """Writes the world's files; returns that of the world.
 
     Args:
-        folder: where they are written.
+        folder: folder to write the files to.
         drive: of the robot: a key of `DRIVES`.
         noise: of the lidar [m].
         models: the content of the world file.

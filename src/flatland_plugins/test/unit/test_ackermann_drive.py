@@ -118,7 +118,7 @@ def test_with_slip_it_drives_as_commonroads_single_track_model(vehicle):
 
 
 def test_its_tyres_slip():
-    """Those of the rear axle by a / (mu C g), with the acceleration a across; else they roll."""
+    """The rear tyres slip by a / (mu C g) at a lateral acceleration a; without slip, they roll."""
     for numbers in (RACECAR[0], None):
         world, body, drive = car(numbers, 0.3302)
         drive.command(3.0, 0.1)
@@ -130,7 +130,7 @@ def test_its_tyres_slip():
 
 
 @pytest.mark.parametrize("step", [0.005, 0.1])
-def test_no_command_and_no_car_makes_numbers_that_are_none(step):
+def test_random_commands_keep_pose_and_velocity_finite(step):
     """Oversteering beyond the critical speed, in jumps, backwards and at a crawl."""
     rng = np.random.default_rng(1)
     numbers = (1.0, 0.001, 0.3, 0.5, 1.5, 30.0, 0.1)
@@ -142,7 +142,7 @@ def test_no_command_and_no_car_makes_numbers_that_are_none(step):
             assert np.isfinite([*body.pose, *body.velocity, drive.slip_angle]).all()
 
 
-def test_a_jerk_limit_changes_the_acceleration_at_a_constant_rate():
+def test_a_jerk_limit_ramps_the_acceleration():
     world, body, drive = car(linear_limits=(2.0, 4.0, 0.0), jerk_limit=5.0)
     drive.command(3.0, 0.0)
     speeds = [0.0]
@@ -226,7 +226,7 @@ def test_it_obeys_the_messages_of_ackermann_msgs(files, stamped):
     assert robot.model().pose[:2] == pytest.approx(expected, abs=1e-5)
 
 
-def test_a_message_limits_its_own_execution(files):
+def test_limits_in_a_message_apply_to_its_command(files):
     robot = racecar(files, "linear_dynamics: {acceleration_limit: 4}")
     limits = {"steering_angle_velocity": 0.5, "acceleration": 2.0}
     robot.transport.send("/ackermann_cmd", drive_message(3.0, 0.4, **limits))
@@ -256,7 +256,7 @@ def test_a_twist_commands_the_yaw_rate_or_the_angle(files, keys, speed, turn, an
 
 
 @pytest.mark.parametrize("wrong", [{"speed": math.nan}, {"acceleration": -1.0}])
-def test_a_message_that_cannot_be_obeyed_is_ignored_with_a_warning(files, caplog, wrong):
+def test_an_impossible_message_is_ignored_with_a_warning(files, caplog, wrong):
     robot = racecar(files, namespace="r1")
     robot.transport.send("/r1/ackermann_cmd", drive_message(1.0, 0.1))
     robot.run(0.1)
@@ -294,7 +294,7 @@ def test_with_slip_its_body_has_the_cars_mass(files):
     assert body.local_center == pytest.approx((0.17, 0.0))
 
 
-def test_it_has_the_actuators_of_any_drive(files):
+def test_an_ackermann_drive_may_have_actuators(files):
     """A delay of both axes, and traction: it speeds up by mu g, whatever it is commanded."""
     keys = "{delay: 0.1, linear: {time_constant: 0.5}, traction: {friction: 0.1}}"
     robot = racecar(files, f"actuators: {keys}", SLIP).drive(0.0, 0.0).run(0.1)

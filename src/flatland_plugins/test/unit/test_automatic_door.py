@@ -94,6 +94,6 @@ def test_a_saved_state_goes_on_with_the_same_bits():
         assert simulation.poses.tobytes() == expected
 
 
-def test_a_batch_refuses_plugins_that_send_messages_to_each_other():
+def test_a_batch_refuses_plugins_that_message_each_other():
     with pytest.raises(PluginError, match=r"acts on what another one publishes, on /d/open"):
         SimulationBatch(WORLD, 2)

@@ -71,7 +71,7 @@ def test_walls_are_noticed_too(files, footprint):
     assert said(move(robot, 0.9, name="robot").run())
 
 
-def test_a_sensor_is_nothing_that_touches(files):
+def test_a_sensor_footprint_does_not_trigger_the_sensor(files):
     world = with_ball(files, footprint=DISC, ball=AREA)
 
     assert not said(move(world, 0.1).run())
@@ -116,7 +116,7 @@ def test_the_bodies_of_its_own_model_do_not_count(files):
         (Pose(0.6, 0.0, 0.0), {"/arm"}),
     ],
 )
-def test_it_is_about_one_body_alone(files, place, noticed):
+def test_a_sensor_watches_one_body_only(files, place, noticed):
     plugins = [
         f"type: BoolSensor, name: {body}, topic: {body}, body: {body}"
         for body in ("base", "area", "arm")
@@ -136,7 +136,7 @@ def test_the_body_is_by_default_the_first(files):
     assert not said(move(world, 0.6).run())
 
 
-def test_each_footprint_of_the_body_notices(files):
+def test_each_footprint_of_the_body_is_a_sensor(files):
     two = f"{AREA}, {{type: circle, center: [0, 1], radius: 0.2, density: 10, sensor: true}}"
     world = with_ball(files, footprint=two)
 
@@ -148,7 +148,7 @@ def test_each_footprint_of_the_body_notices(files):
 # Duration
 
 
-def test_of_several_that_touch_the_last_one_to_leave_ends_it(files):
+def test_a_touch_by_several_models_ends_with_the_last_one(files):
     ball = files.model("ball")
     others = {name: f"model: {ball}, pose: [{x}, 0, 0]" for name, x in (("a", -0.3), ("b", 0.3))}
     world = files.robot(SENSOR, footprint=AREA, others=others)
@@ -159,7 +159,7 @@ def test_of_several_that_touch_the_last_one_to_leave_ends_it(files):
 
 
 @pytest.mark.parametrize("seconds", [0.01, 3.0])  # by then it is asleep
-def test_one_that_is_deleted_touches_no_longer(files, seconds):
+def test_a_deleted_model_touches_the_sensor_no_longer(files, seconds):
     world = move(with_ball(files), 0.1)
     assert said(world.run(seconds))
 
@@ -168,7 +168,7 @@ def test_one_that_is_deleted_touches_no_longer(files, seconds):
     assert not said(world.run())
 
 
-def test_one_that_takes_the_place_of_a_deleted_one_is_noticed(files):
+def test_a_model_in_place_of_a_deleted_one_is_noticed(files):
     world = move(with_ball(files), 0.1).run(0.1)
 
     world.world.delete_model("ball")
@@ -177,7 +177,7 @@ def test_one_that_takes_the_place_of_a_deleted_one_is_noticed(files):
     assert said(world.run())
 
 
-def test_what_stays_and_falls_asleep_is_still_touching(files):
+def test_a_sleeping_body_still_touches_the_sensor(files):
     world = move(with_ball(files), 0.1).run(3.0)
 
     assert not world.model("ball").base.physics_body.awake
@@ -185,7 +185,7 @@ def test_what_stays_and_falls_asleep_is_still_touching(files):
 
 
 @pytest.mark.parametrize("speed", [0.5, 2.0, 8.0])
-def test_what_passes_is_noticed_for_as_long_as_it_is_over_the_area(files, speed):
+def test_a_passing_body_is_reported_while_it_overlaps_the_sensor(files, speed):
     world = with_ball(files)
 
     world.model("ball").base.physics_body.velocity = (-speed, 0.0, 0.0)
@@ -197,9 +197,7 @@ def test_what_passes_is_noticed_for_as_long_as_it_is_over_the_area(files, speed)
     assert [spoken[0][1], spoken[-1][1]] == [False, False]
 
 
-def test_without_a_subscriber_it_is_not_called_and_measures_the_same(
-    files, no_subscribers, monkeypatch
-):
+def test_without_subscribers_it_is_idle_yet_reads_the_same(files, no_subscribers, monkeypatch):
     calls = []
     step = BoolSensor.after_physics_step
     monkeypatch.setattr(
@@ -233,7 +231,7 @@ def test_a_touch_shorter_than_its_period_is_told_of_exactly_once(files, begin, s
     assert [time for time, touched in spoken if touched] == [first_after]
 
 
-def test_a_touch_that_lasts_is_told_of_until_it_ends_and_not_again(files):
+def test_a_lasting_touch_is_published_until_it_ends(files):
     world = with_ball(files, f"{SENSOR}, update_rate: 10").run(0.02)
 
     lasting = history(move(world, 0.1), 0.5)
@@ -243,7 +241,7 @@ def test_a_touch_that_lasts_is_told_of_until_it_ends_and_not_again(files):
     assert [touched for _, touched in after] == [False] * 5
 
 
-def test_a_touch_is_told_of_in_the_step_in_which_it_happens_and_no_longer(files):
+def test_a_touch_is_published_in_its_own_step_only(files):
     world = with_ball(files).run(0.1)
 
     spoken = history(move(world, 0.1), 0.005) + history(move(world, 1.0), 0.01)
@@ -251,7 +249,7 @@ def test_a_touch_is_told_of_in_the_step_in_which_it_happens_and_no_longer(files)
     assert [touched for _, touched in spoken] == [True, False, False]
 
 
-def test_a_sensor_that_touches_from_the_beginning_says_so_at_once(files):
+def test_a_touch_at_the_start_is_published_in_the_first_step(files):
     ball = files.model("ball")
     world = files.robot(SENSOR, footprint=AREA, others={"ball": f"model: {ball}"})
 

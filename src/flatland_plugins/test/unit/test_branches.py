@@ -51,7 +51,7 @@ WORLDS = {
 
 @pytest.fixture(params=WORLDS)
 def world(request, world_of):
-    """A world of each drive, one with people, and one whose walls depend on the seed."""
+    """A world of each drive, one with people, and one with walls that depend on the seed."""
     return world_of(noise="0.02", **WORLDS[request.param])
 
 
@@ -230,7 +230,7 @@ BOX = {
 }
 
 
-def test_branches_have_models_that_were_spawned_and_none_that_were_deleted(world_of):
+def test_branches_have_spawned_models_and_no_deleted_ones(world_of):
     world = world_of()
     with Simulation(world) as simulation:
         name = next(each for each in simulation.models if each != "robot")
@@ -284,7 +284,7 @@ def damaged(state, **changes):
     return plain_data.dumps({**plain_data.loads(state), **changes})
 
 
-def test_what_is_no_state_of_the_world_is_refused_and_changes_nothing(world_of):
+def test_a_foreign_or_broken_state_is_refused_without_effect(world_of):
     world = world_of()
     with SimulationBatch(world, 3) as batch:
         batch.step(np.full((3, 2), 0.4), 40)

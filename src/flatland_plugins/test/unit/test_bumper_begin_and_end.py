@@ -9,7 +9,7 @@ from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoade
 
 
 class Ghost(ModelPlugin):
-    """Lets its model pass through everything from a moment on."""
+    """Lets its model pass through everything from a time on."""
 
     def on_initialize(self, config):
         self._since = config.get_float("since", 0.0)
@@ -29,7 +29,7 @@ def loader() -> PluginLoader:
     return PluginLoader([*discover(), PluginDeclaration.of(Ghost)])
 
 
-def test_a_contact_that_another_plugin_switches_off_is_none(files):
+def test_a_contact_disabled_by_another_plugin_is_not_reported(files):
     ghost = "type: Ghost, name: ghost"
     robot = throw(files.robot(BUMPER, ghost, layers=wall(files)), 1.0)
 
@@ -37,7 +37,7 @@ def test_a_contact_that_another_plugin_switches_off_is_none(files):
     assert robot.model().pose.x == pytest.approx(2.0, abs=1e-3)
 
 
-def test_a_contact_that_is_switched_off_later_is_none_from_then_on(files):
+def test_a_contact_that_is_disabled_later_ends_the_collision(files):
     ghost = "type: Ghost, name: ghost, since: 1.5"
     robot = throw(files.robot(BUMPER, ghost, layers=wall(files)), 1.0)
 
@@ -52,7 +52,7 @@ def test_a_contact_that_is_switched_off_later_is_none_from_then_on(files):
     assert not robot.model().base.physics_body.awake
 
 
-def test_what_rests_in_touch_is_told_of_without_any_force(files):
+def test_a_resting_contact_is_reported_without_force(files):
     robot = throw(files.robot(BUMPER, layers=wall(files)), 1.0).run(1.0)
     [touch] = now(robot)
 
@@ -69,7 +69,7 @@ def test_what_rests_in_touch_is_told_of_without_any_force(files):
     assert reported[-1].collisions[0].magnitude_forces == [0.0]
 
 
-def test_what_rests_feels_the_next_push(files):
+def test_a_resting_body_reports_the_force_of_the_next_push(files):
     robot = throw(files.robot(BUMPER, layers=wall(files)), 1.0).run(3.0)
     assert not robot.model().base.physics_body.awake
 
@@ -116,7 +116,7 @@ def test_a_model_that_is_deleted_collides_no_longer(files, seconds):
     assert now(robot) == []
 
 
-def test_a_model_is_told_of_that_takes_the_place_of_a_deleted_one(files):
+def test_a_model_in_place_of_a_deleted_one_is_reported(files):
     post = files.model("post", footprint=BOX, body="type: static,")
     robot = files.robot(BUMPER, others={"post": f"model: {post}, pose: [1, 0, 0]"})
     throw(robot, 1.0).run(1.0)

@@ -11,7 +11,7 @@ from flatland_server.geometry import Pose
 
 
 @pytest.mark.parametrize("heading", [0.0, 0.7, math.pi / 2, -3.0])
-def test_at_a_wall_it_tells_where_and_that_the_normal_goes_into_the_wall(files, heading):
+def test_at_a_wall_the_normal_points_into_the_wall(files, heading):
     across = Pose(0.0, 0.0, heading)
     (x1, y1), (x2, y2) = across.apply(1.0, -3.0), across.apply(1.0, 3.0)
     robot = files.robot(BUMPER, layers=wall(files, f"{x1} {y1} {x2} {y2}"))
@@ -102,7 +102,7 @@ def past_a_post(files, mine: str, others: str, bumper: str = BUMPER):
 
 
 @pytest.mark.parametrize(("mine", "others"), [(SENSOR, DISC), (DISC, SENSOR), (SENSOR, SENSOR)])
-def test_what_touches_a_sensor_is_reported_without_points(files, mine, others):
+def test_contacts_with_a_sensor_are_reported_without_points(files, mine, others):
     robot = past_a_post(files, mine, others)
 
     messages = robot.record("/collisions", 2.0)
@@ -120,7 +120,7 @@ def test_what_touches_a_sensor_is_reported_without_points(files, mine, others):
         assert collision.contact_normals == []
 
 
-def test_what_rests_on_a_sensor_is_reported_as_long_as_it_is_there(files):
+def test_a_body_resting_on_a_sensor_is_reported_until_it_leaves(files):
     robot = past_a_post(files, DISC, SENSOR).run(1.0)
     throw(robot, 0.0).run(2.0)
     assert not robot.model().base.physics_body.awake
@@ -136,7 +136,7 @@ def test_a_sensor_of_an_ignored_body_is_not_reported(files):
     assert record(past_a_post(files, SENSOR, DISC, f"{BUMPER}, exclude: [base]"), 2.0) == []
 
 
-def test_a_sensor_beside_a_solid_footprint_does_not_hide_its_points(files):
+def test_a_sensor_footprint_does_not_hide_points_of_a_solid_one(files):
     ring = f"{{type: circle, radius: {2 * RADIUS}, density: 0, sensor: true}}"
     robot = past_a_post(files, f"{DISC}, {ring}", DISC)
 
@@ -180,15 +180,13 @@ def test_bodies_of_one_model_collide_with_each_other(files):
     ("exclude", "is_told"),
     [("[]", True), ("[base]", True), ("[left]", False), ("[right]", False), ("right", False)],
 )
-def test_collisions_of_an_ignored_body_are_not_told_on_whichever_side_it_is(
-    files, exclude: str, is_told: bool
-):
+def test_exclude_hides_collisions_with_the_body_on_either_side(files, exclude: str, is_told: bool):
     world = clapper(files, f"{BUMPER}, exclude: {exclude}")
 
     assert bool(record(world, 1.0)) == is_told
 
 
-def test_what_an_ignored_body_hits_is_not_told_but_what_the_others_hit(files):
+def test_exclude_hides_only_contacts_of_the_excluded_body(files):
     text = """
         bodies:
           - {name: base, footprints: [{type: circle, radius: 0.1, density: 1}]}

@@ -21,7 +21,7 @@ from bumping import (
 
 @pytest.mark.parametrize("speed", [0.5, 2.0, 10.0, 60.0])
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
-def test_the_forces_of_a_head_on_hit_add_up_to_the_change_of_momentum(files, speed, restitution):
+def test_forces_of_a_hit_sum_to_the_change_of_momentum(files, speed, restitution):
     ball = f"{{type: circle, radius: {RADIUS}, density: 10, restitution: {restitution}}}"
     robot = throw(files.robot(BUMPER, footprint=ball, layers=wall(files)), speed)
     bounce = restitution if speed > 1.0 else 0.0  # Box2D lets nothing bounce below 1 m/s

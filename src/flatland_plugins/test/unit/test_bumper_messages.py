@@ -19,7 +19,7 @@ def test_by_default_it_publishes_at_every_step_colliding_or_not(files):
     assert touches == [False] * first + [True] * (200 - first)
 
 
-def test_all_collisions_are_published_at_once_and_empty_lists_at_the_rate(files):
+def test_collisions_come_at_once_and_empty_lists_at_the_rate(files):
     robot = throw(files.robot(f"{BUMPER}, update_rate: 10", layers=wall(files)), 1.0)
 
     messages = robot.record("/collisions", 1.0)
@@ -35,7 +35,7 @@ def test_all_collisions_are_published_at_once_and_empty_lists_at_the_rate(files)
     assert empty == [time for time in due if not touching[0] <= time <= touching[-1]]
 
 
-def test_otherwise_it_publishes_at_the_rate_alone_what_collides_just_then(files):
+def test_without_publish_all_it_publishes_at_the_rate_only(files):
     bumper = f"{BUMPER}, update_rate: 10, publish_all_collisions: false"
     robot = throw(files.robot(bumper, layers=wall(files)), 1.0)
 
@@ -47,7 +47,7 @@ def test_otherwise_it_publishes_at_the_rate_alone_what_collides_just_then(files)
 
 
 @pytest.mark.parametrize(("publish_all", "is_told"), [("true", True), ("false", False)])
-def test_a_collision_between_two_updates_is_told_of_only_with_all(files, publish_all, is_told):
+def test_a_hit_between_updates_needs_publish_all_collisions(files, publish_all, is_told):
     ball = f"{{type: circle, radius: {RADIUS}, density: 10, restitution: 1}}"
     bumper = f"{BUMPER}, update_rate: 10, publish_all_collisions: {publish_all}"
     robot = files.robot(bumper, footprint=ball, layers=wall(files), pose="[0.65, 0, 0]")
@@ -57,9 +57,7 @@ def test_a_collision_between_two_updates_is_told_of_only_with_all(files, publish
     assert robot.model().base.physics_body.velocity[0] == pytest.approx(-3.0, rel=1e-3)
 
 
-def test_without_a_subscriber_it_is_not_called_and_misses_nothing(
-    files, no_subscribers, monkeypatch
-):
+def test_without_subscribers_it_is_idle_and_misses_nothing(files, no_subscribers, monkeypatch):
     calls = []
     step = Bumper.after_physics_step
     monkeypatch.setattr(
@@ -77,7 +75,7 @@ def test_without_a_subscriber_it_is_not_called_and_misses_nothing(
     assert vectors(collision.contact_positions) == list(bump.points)
 
 
-def test_a_later_subscriber_gets_messages_at_the_times_of_the_rate(files, no_subscribers):
+def test_a_later_subscriber_does_not_shift_the_publishing_times(files, no_subscribers):
     bumper = f"{BUMPER}, update_rate: 10, publish_all_collisions: false"
     robot = files.robot(bumper, transport=no_subscribers).run(0.75)
 

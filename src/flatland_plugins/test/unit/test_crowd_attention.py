@@ -25,25 +25,25 @@ def nearest(town, files, person: str, speed: float = 0.1, keys: str = CALM) -> f
 
 
 @pytest.mark.parametrize("keys", ["sees_robots: false", "yields: 0", "field_of_view: 0"])
-def test_who_sees_no_robots_walks_into_them(town, files, keys):
+def test_people_who_see_no_robots_walk_into_them(town, files, keys):
     assert nearest(town, files, keys) == pytest.approx(TOUCH, abs=0.02)
 
 
 @pytest.mark.parametrize("keys", ["sees_robots: false", "field_of_view: 0"])
-def test_who_sees_no_robots_walks_into_those_that_stand(town, files, keys):
+def test_people_who_see_no_robots_walk_into_standing_ones(town, files, keys):
     assert nearest(town, files, keys, speed=0.0) == pytest.approx(TOUCH, abs=0.02)
 
 
 @pytest.mark.parametrize("motion", ["social_force", "orca"])
 @pytest.mark.parametrize("keys", ["yields: 0", "reaction_time: 30"])
-def test_who_does_not_yield_still_sees_what_stands(town, files, keys, motion):
+def test_unyielding_people_still_avoid_standing_robots(town, files, keys, motion):
     person = f"{keys}, field_of_view: 3"
     crowd = f"{CALM}, motion: {motion}"
     assert nearest(town, files, person, speed=0.0, keys=crowd) > TOUCH + 0.02
     assert nearest(town, files, person, keys=crowd) < TOUCH + 0.01
 
 
-def test_who_does_not_yield_still_passes_people_and_stays_behind_walls(town):
+def test_unyielding_people_still_avoid_people_and_walls(town):
     keys = "force: {noise: 0}, sees_robots: false"
     people = town(*TOWARDS_EACH_OTHER, keys=keys, walls=("4.5 -9 4.5 9",))
 
@@ -68,7 +68,7 @@ def test_an_entry_may_see_robots_in_a_crowd_that_does_not(town, files):
     assert nearest(town, files, "sees_robots: true, yields: 1") > TOUCH + 0.1
 
 
-def test_who_reacts_late_passes_closer(town, files):
+def test_a_longer_reaction_time_means_passing_closer(town, files):
     # The robot is seen at 5 m, 3 s away: within a second nothing is lost.
     distances = [nearest(town, files, f"reaction_time: {t}") for t in (0.0, 2.6, 30.0)]
 
@@ -76,7 +76,7 @@ def test_who_reacts_late_passes_closer(town, files):
     assert distances[2] == pytest.approx(TOUCH, abs=0.02)
 
 
-def test_of_many_people_as_many_yield_as_the_probability_says(town, files):
+def test_the_share_of_people_that_yield_is_the_probability(town, files):
     lanes = range(60)
     disc = "{type: circle, radius: 0.2, density: 100000}"
     robots = {}
@@ -99,7 +99,7 @@ def test_of_many_people_as_many_yield_as_the_probability_says(town, files):
     assert abs(int(walked_into.sum()) - 42) < 4 * math.sqrt(60 * 0.3 * 0.7)
 
 
-def test_who_stands_and_sees_no_robots_stays(town, files):
+def test_standing_people_who_see_no_robots_do_not_move(town, files):
     people = town("pose: [0.7, 0, 0]", keys=f"{CALM}, sees_robots: false", robots=robot(files))
 
     people.run(3.0)
@@ -110,7 +110,7 @@ def test_who_stands_and_sees_no_robots_stays(town, files):
 # Groups
 
 
-def test_a_group_waits_for_who_is_slower(town):
+def test_a_group_waits_for_its_slower_members(town):
     def spread(keys: str) -> float:
         people = town(
             f"pose: [0, 0, 0], goals: [[40, 0]], speed: 1.4{keys}",
@@ -193,7 +193,7 @@ def test_with_orca_forty_cross_a_circle_without_touching(town):
 
 
 @pytest.mark.parametrize("noise", ["", "force: {noise: 0}, "])
-def test_with_orca_noise_ends_the_wait_of_people_evenly_on_a_circle(town, noise):
+def test_with_orca_noise_resolves_the_deadlock_on_a_circle(town, noise):
     places = [
         (4.0 * math.cos(k * math.tau / 8), 4.0 * math.sin(k * math.tau / 8)) for k in range(8)
     ]
@@ -223,6 +223,6 @@ def test_with_orca_they_stay_behind_walls_and_pass_robots(town, files):
     assert people.model("robot").pose == pytest.approx((0.0, 0.0, 0.0), abs=1e-3)
 
 
-def test_with_orca_who_does_not_yield_walks_into_robots(town, files):
+def test_with_orca_unyielding_people_walk_into_robots(town, files):
     people = town(TOWARDS_THE_ROBOT, keys="motion: orca, sees_robots: false", robots=robot(files))
     assert np.linalg.norm(walk(people, 5.0), axis=-1).min() < TOUCH + 0.01

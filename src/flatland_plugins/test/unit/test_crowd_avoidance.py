@@ -34,7 +34,7 @@ def least_distance(path: np.ndarray, point: Tuple[float, float]) -> float:
 
 
 @pytest.mark.parametrize(("side", "sign"), [("right", -1.0), ("left", 1.0)])
-def test_two_who_walk_towards_each_other_pass_on_the_preferred_side(town, side, sign):
+def test_two_people_head_on_pass_on_the_preferred_side(town, side, sign):
     keys = f"force: {{noise: 0, side: {side}}}"
     people = town(*TOWARDS_EACH_OTHER, keys=keys)
 
@@ -50,7 +50,7 @@ def test_two_who_walk_towards_each_other_pass_on_the_preferred_side(town, side, 
 
 
 @pytest.mark.slow
-def test_twenty_who_cross_a_square_all_at_once_get_there(town):
+def test_twenty_people_cross_a_square_and_arrive(town):
     angles = [math.tau * i / 20 for i in range(20)]
     spots = [(5 * math.cos(a), 5 * math.sin(a)) for a in angles]
     people = town(*(f"pose: [{x}, {y}, 0], goals: [[{-x}, {-y}]]" for x, y in spots))
@@ -80,7 +80,7 @@ def test_two_crowds_give_way_to_each_other(town, files):
     assert way[-1, 1, 0] < -3.7
 
 
-def test_two_who_stand_close_move_apart_until_they_feel_at_ease(town):
+def test_two_standing_people_move_apart_until_forces_balance(town):
     keys = "force: {noise: 0, evasion: 0}"
     people = town("pose: [0, 0, 0]", "pose: [0.55, 0, 0]", keys=keys).run(20.0)
 
@@ -91,7 +91,7 @@ def test_two_who_stand_close_move_apart_until_they_feel_at_ease(town):
     assert gap > 0.15
 
 
-def test_however_large_the_force_nobody_runs_faster_than_people_do(town):
+def test_a_large_force_does_not_exceed_the_speed_of_people(town):
     keys = "force: {noise: 0, repulsion: 10000}"
     people = town("pose: [0.25, 0, 0], speed: 1.2", keys=keys, walls=("0 -9 0 9",)).run()
 
@@ -102,7 +102,7 @@ def test_however_large_the_force_nobody_runs_faster_than_people_do(town):
 
 
 @pytest.mark.parametrize("radius", [0.2, 0.3])
-def test_before_a_wall_they_stop_where_the_wall_repels_as_the_goal_attracts(town, radius):
+def test_people_stop_where_wall_and_goal_forces_balance(town, radius):
     person = f"pose: [0, 0, 0], goals: [[9, 0], [9, 9]], radius: {radius}, speed: 1.2"
     people = town(person, keys=CALM, walls=("2 -9 2 9",))
 
@@ -165,7 +165,7 @@ def test_a_robot_in_the_way_is_passed_at_a_distance(town, files, offset):
     assert people.model("robot").pose == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
 
 
-def test_a_robot_that_has_grown_is_passed_at_a_distance_from_its_new_outline(town, files):
+def test_people_avoid_the_changed_outline_of_a_robot(town, files):
     people = town("pose: [-4, 0.1, 0], goals: [[4, 0.1], [9, 0]]", robots=robot(files))
     people.model("robot").set_footprint("base", 0, Circle((0.0, 0.0), 0.8))
 
@@ -175,7 +175,7 @@ def test_a_robot_that_has_grown_is_passed_at_a_distance_from_its_new_outline(tow
     assert path[-1, 0, 0] > 3.7
 
 
-def test_of_a_long_robot_its_outline_counts(town, files):
+def test_people_avoid_the_outline_of_a_long_robot(town, files):
     beam = (
         "{type: polygon, points: [[-1.5, -0.1], [1.5, -0.1], [1.5, 0.1], [-1.5, 0.1]], density: 99}"
     )
@@ -195,7 +195,7 @@ def test_of_a_long_robot_its_outline_counts(town, files):
 
 
 @pytest.mark.parametrize("footprint", ["collision: false", "sensor: true", "layers: [other]"])
-def test_what_cannot_be_touched_is_not_avoided(town, files, footprint):
+def test_people_do_not_avoid_what_they_cannot_touch(town, files, footprint):
     disc = f"{{type: circle, radius: 0.2, density: 10, {footprint}}}"
     keys = f"layers: [map], {CALM}"
     people = town(
@@ -207,7 +207,7 @@ def test_what_cannot_be_touched_is_not_avoided(town, files, footprint):
     assert least_distance(path, (0.0, 0.0)) < 0.01
 
 
-def test_who_stands_makes_room_for_a_robot_and_comes_back(town, files):
+def test_standing_people_make_way_for_a_robot_and_return(town, files):
     people = town("pose: [1, 0, 0]", keys=CALM, robots=robot(files, DRIVE)).drive(0.5)
 
     gaps = []
@@ -222,7 +222,7 @@ def test_who_stands_makes_room_for_a_robot_and_comes_back(town, files):
     assert position(people) == pytest.approx((1.0, 0.0), abs=0.02)
 
 
-def test_a_heavy_robot_pushes_who_does_not_make_room(town, files):
+def test_a_heavy_robot_pushes_people_who_do_not_make_way(town, files):
     tank = "{type: circle, radius: 0.2, density: 100000}"
     robots = robot(files, DRIVE, footprint=tank)
     people = town("pose: [1, 0, 0]", keys=BLIND, robots=robots).drive(0.5).run(4.0)
@@ -231,7 +231,7 @@ def test_a_heavy_robot_pushes_who_does_not_make_room(town, files):
     assert position(people)[0] == pytest.approx(people.model("robot").pose.x + 0.45, abs=0.03)
 
 
-def test_who_walks_pushes_a_light_box_along(town, files):
+def test_walking_people_push_a_light_box(town, files):
     people = town("pose: [-2, 0, 0], goals: [[9, 0]]", keys=BLIND, robots=robot(files)).run(4.0)
 
     assert position(people)[0] > 1.0

@@ -68,7 +68,7 @@ def test_a_laser_sees_a_person_with_legs_as_two_small_discs(town, files, yaw, ra
         assert middle == pytest.approx(math.atan2(y, x), abs=1e-3)
 
 
-def test_feet_stand_still_in_turn_and_steps_are_as_long_as_people_make_them(town):
+def test_feet_alternate_and_steps_have_human_length(town):
     people = town("pose: [0, 0, 0], goals: [[100, 0], [0, 0]], legs: true", keys=CALM).run(4.0)
     legs = [people.model("people_0").bodies[name] for name in ("left_leg", "right_leg")]
 

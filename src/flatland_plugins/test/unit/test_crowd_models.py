@@ -20,7 +20,7 @@ def test_people_are_models_named_after_their_crowd_or_themselves(town):
     assert list(people.model("anna").bodies) == ["body", "left_leg", "right_leg"]
 
 
-def test_who_is_deleted_leaves_the_crowd_and_the_others_go_on(town, caplog):
+def test_a_deleted_person_leaves_the_crowd_as_the_others_walk_on(town, caplog):
     people = town(*TOWARDS_EACH_OTHER, "pose: [0, 5, 0], goals: [[9, 5]]").run(1.0)
     bodies = people.world.physics.body_count
 
@@ -47,7 +47,7 @@ def test_a_model_that_takes_a_name_over_is_not_one_of_them(town, files):
     assert people.last("/people/poses").poses == []
 
 
-def test_a_model_that_has_taken_a_name_over_stays_when_the_crowd_goes(town, files):
+def test_a_foreign_model_with_a_crowd_name_survives_the_crowd(town, files):
     people = town("pose: [0, 0, 0]").run()
 
     people.world.delete_model("people_0")
@@ -58,7 +58,7 @@ def test_a_model_that_has_taken_a_name_over_stays_when_the_crowd_goes(town, file
     assert list(people.world.models) == ["people_0"]
 
 
-def test_who_is_moved_walks_on_from_there(town):
+def test_a_moved_person_walks_on_from_there(town):
     people = town("pose: [0, 0, 0], goals: [[9, 0]], legs: true").run(1.0)
 
     people.world.move_model("people_0", Pose(9.0, 5.0, 2.0))

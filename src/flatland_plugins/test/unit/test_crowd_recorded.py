@@ -68,7 +68,7 @@ def test_people_at_the_same_time_have_bodies_of_their_own(recorded):
     assert list(people.world.models) == ["people_0", "people_1"]
 
 
-def test_a_picture_does_not_reach_to_those_who_are_away(recorded, files):
+def test_a_picture_excludes_people_who_are_away(recorded, files):
     people = recorded(keys="start: [2.5, 2.5]", robots=robot(files))
 
     assert people.model("people_0").is_away

@@ -10,7 +10,7 @@ from townspeople import CALM, TAU, UPDATE, position, velocity, walk
 # On the way
 
 
-def test_speed_builds_up_to_the_desired_one_within_the_relaxation_time(town):
+def test_speed_reaches_the_desired_one_by_the_relaxation_time(town):
     people = town("pose: [0, 0, 0], goals: [[100, 0], [0, 0]], speed: 1.2", keys=CALM)
 
     for update in range(1, 60):
@@ -39,7 +39,7 @@ def test_goals_are_visited_in_turn_and_again(town):
     assert visited[:7] == [0, 1, 2, 0, 1, 2, 0]
 
 
-def test_who_has_one_goal_stays_there(town):
+def test_a_person_with_one_goal_stays_there(town):
     people = town("pose: [0, 0, 0], goals: [[3, 1]]")
 
     people.run(12.0)

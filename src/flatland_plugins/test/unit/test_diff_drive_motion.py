@@ -55,7 +55,7 @@ def test_dynamics_limits_bound_the_velocity(files, key, command, component):
     assert speeds == pytest.approx(expected, abs=1e-3)
 
 
-def test_a_drive_ends_in_peace_after_its_body(files, caplog):
+def test_closing_a_drive_without_its_body_causes_no_warning(files, caplog):
     robot = files.robot(DRIVE).drive(0.5).run(1.0)
 
     robot.model().base.physics_body.remove()
@@ -65,7 +65,7 @@ def test_a_drive_ends_in_peace_after_its_body(files, caplog):
 
 
 @pytest.mark.parametrize(("linear", "angular"), [(1e39, 0.0), (0.0, 1e300), (-1e300, 1.0)])
-def test_a_command_beyond_single_precision_does_not_stall_the_robot(files, linear, angular):
+def test_a_command_beyond_float32_does_not_stall_the_robot(files, linear, angular):
     robot = files.robot(DRIVE).drive(linear, angular).run(0.1)
 
     robot.world.move_model("robot", robot.model().pose._replace(x=0.0, y=0.0, yaw=0.0))

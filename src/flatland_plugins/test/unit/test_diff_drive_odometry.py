@@ -35,7 +35,7 @@ def test_ground_truth_has_no_noise(files):
     assert twist_of(truth) == (0.0, 0.0, 0.0)
 
 
-def test_covariances_are_by_default_the_variances_on_the_diagonal(files):
+def test_covariances_default_to_variances_on_the_diagonal(files):
     robot = files.robot(f"{DRIVE}, odom_pose_noise: [1, 2, 3], odom_twist_noise: [4, 5, 6]").run()
 
     # x, y, z, roll, pitch, yaw

@@ -72,7 +72,7 @@ def test_a_namespace_with_a_tilde_has_a_frame_of_odometry(files, keys, frame):
 
 
 @pytest.mark.parametrize(("key", "frame"), [("~", "odom"), ("", "odom"), ("~odom", "r1_odom")])
-def test_a_tilde_alone_is_no_frame_but_nothing(files, key, frame):
+def test_a_tilde_alone_is_yaml_null_and_gives_the_default_frame(files, key, frame):
     drive = f"{{{DRIVE}, odom_frame_id: {key}}}"
 
     robot = files.robot(drive, namespace="r1").run()
@@ -164,9 +164,7 @@ def test_robots_that_share_an_odometry_frame_are_warned_of_once(files, caplog, c
         (2, (TF,)),
     ],
 )
-def test_robots_with_frames_of_their_own_or_in_the_worlds_are_not_warned_of(
-    files, caplog, count, plugins
-):
+def test_own_frames_and_the_world_frame_cause_no_warning(files, caplog, count, plugins):
     robots_in_one_frame(files, count, *plugins).run(0.1)
 
     assert warnings(caplog) == []

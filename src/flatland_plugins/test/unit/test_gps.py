@@ -42,7 +42,7 @@ def metres_between(a: Any, b: Any) -> float:
 
 @pytest.mark.parametrize("longitude", LONGITUDES)
 @pytest.mark.parametrize("latitude", LATITUDES)
-def test_it_agrees_with_proj_within_a_millimetre_over_a_kilometre(latitude, longitude):
+def test_positions_agree_with_proj_within_a_millimetre(latitude, longitude):
     plane = TangentPlane(latitude, longitude)
 
     for offset in OFFSETS:
@@ -53,7 +53,7 @@ def test_it_agrees_with_proj_within_a_millimetre_over_a_kilometre(latitude, long
 
 @pytest.mark.parametrize("distance", [0.0, 1e-3, 1.0, 1e3, 1e5, 1e7])
 @pytest.mark.parametrize("reference", [(90.0, 0.0), (-90.0, 33.0), (89.9999, -180.0), (45.0, 7.0)])
-def test_at_the_poles_and_far_away_the_way_back_leads_to_the_same_point(reference, distance):
+def test_at_poles_and_far_away_positions_convert_back_exactly(reference, distance):
     plane, transformer = TangentPlane(*reference), proj(*reference)
 
     for eighth in range(8):
@@ -123,7 +123,7 @@ def test_its_noise_has_the_published_covariance(files):
     assert list(fixes[0].position_covariance) == [0.25, 0, 0, 0, 0.25, 0, 0, 0, 0]
 
 
-def test_the_antennas_frame_has_the_plugins_name_and_sits_at_its_origin(files):
+def test_the_antenna_frame_has_the_plugins_name_and_origin(files):
     robot = files.robot(f"{GPS}, origin: [0.5, -0.25, 1]").run()
 
     [transform] = robot.transport.transforms.values()

@@ -96,7 +96,7 @@ def test_along_a_straight_line_it_reads_the_drives_acceleration(files):
     assert all(acceleration_of(message) == closely(-4.0, 0.0) for message in braking)
 
 
-def test_a_body_that_spins_about_another_point_reads_its_origins_circle(files):
+def test_off_centre_spin_reads_the_acceleration_of_the_origin(files):
     robot = files.robot(IMU, footprint="{type: circle, center: [0.5, 0], radius: 0.2, density: 10}")
     # About its middle, half a metre before the origin, which therefore goes backwards around it.
     robot.model().base.physics_body.velocity = (0.0, -0.5 * 3.0, 3.0)
@@ -161,7 +161,7 @@ def test_accelerations_add_up_to_the_velocity(files, rate):
 
 
 @pytest.mark.parametrize("rate", ["inf", "50", "7"])
-def test_what_happened_before_a_topic_had_a_subscriber_is_not_measured(files, no_subscribers, rate):
+def test_a_new_subscriber_gets_no_acceleration_of_the_past(files, no_subscribers, rate):
     robot = files.robot(f"{IMU}, pub_rate: {rate}", DRIVE, transport=no_subscribers)
     no_subscribers.set_subscribed_topics([GROUND_TRUTH])
     robot.run(0.3)
@@ -190,7 +190,7 @@ def test_a_move_between_two_messages_is_no_jolt(files, steps):
         assert acceleration_of(message) == pytest.approx((0.0, 0.0, GRAVITY), abs=1e-6)
 
 
-def test_orientation_and_turn_are_those_of_the_stamp(files):
+def test_the_orientation_is_that_at_the_stamp(files):
     robot = files.robot(IMU, DRIVE).drive(0.0, 1.0)
 
     messages = robot.record(GROUND_TRUTH, 2.0)
@@ -240,7 +240,7 @@ def test_noise_depends_on_the_seed_and_the_time_alone(files):
     assert not any(measured(m) == readings[m.header.stamp.to_nsec()] for m in other)
 
 
-def test_covariances_are_by_default_the_variances_on_the_diagonal(files):
+def test_covariances_default_to_variances_on_the_diagonal(files):
     robot = files.robot(NOISY).run()
 
     for topic in (FILTERED, GROUND_TRUTH):
@@ -312,7 +312,7 @@ class SubscribingPhysics:
         self._transport.set_subscribed_topics([GROUND_TRUTH])
 
 
-def test_a_subscriber_that_comes_again_during_a_step_gets_the_next_message(files, no_subscribers):
+def test_a_subscriber_back_during_a_step_gets_the_next_message(files, no_subscribers):
     robot = files.robot(IMU, DRIVE, transport=no_subscribers).drive(2.0, 2.0).run(1.0)
     no_subscribers.set_subscribed_topics([GROUND_TRUTH])
     earlier = robot.run().last(GROUND_TRUTH)

@@ -127,7 +127,7 @@ def test_wrong_keys_are_refused(files, keys, message):
     assert message in str(caught.value)
 
 
-def test_a_state_keeps_the_position_to_reach_and_batches_know_velocities_only(files):
+def test_states_keep_target_positions_and_batches_refuse_them(files):
     world = files.write(
         "world.yaml",
         "properties: {}\nlayers: [{name: map}]\nmodels: [{name: robot, model: arm.model.yaml}]\n",

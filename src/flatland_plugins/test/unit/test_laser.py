@@ -112,7 +112,7 @@ def test_noise_has_the_configured_deviation(files):
     assert abs(noise.sum()) < 4 * math.sqrt(len(noise))
 
 
-def test_noise_leaves_ranges_within_the_lidars_and_infinity_alone(files):
+def test_noise_keeps_ranges_in_bounds_and_infinity_infinite(files):
     short = LASER.replace("range: 20", "range: 4.3")
     quiet = np.asarray(in_the_room(files, short).run().last("/scan").ranges)
     noisy = in_the_room(files, f"{short}, noise_std_dev: 3", seed=3)
@@ -198,7 +198,7 @@ def test_a_lidar_sees_the_walls_of_its_layers(files, laser, seen):
     assert robot.last("/scan").ranges == pytest.approx([seen])
 
 
-def test_what_is_on_the_layer_reflectance_shines(files):
+def test_things_on_the_layer_reflectance_have_an_intensity(files):
     walls = (
         f"name: plain, map: {files.walls('plain', '2 -1 2 1')}",
         f"name: [reflectance, foil], map: {files.walls('foil', '-1 2 1 2')}",

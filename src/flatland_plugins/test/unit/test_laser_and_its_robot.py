@@ -37,11 +37,11 @@ def ranges(robot: Any) -> Any:
     return list(robot.run().last("/scan").ranges)
 
 
-def test_it_sees_its_own_robot_by_default(files):
+def test_a_laser_sees_its_own_robot_by_default(files):
     assert ranges(robot(files)) == pytest.approx([0.4, 0.4], abs=1e-5)
 
 
-def test_it_does_not_see_the_bodies_that_it_ignores(files):
+def test_a_laser_does_not_see_ignored_bodies(files):
     assert ranges(robot(files, "ignore_bodies: [arm, base]")) == pytest.approx([0.4, 5.0], abs=1e-5)
     assert ranges(robot(files, "ignore_bodies: [arm, post]")) == [math.inf, pytest.approx(5.0)]
 
@@ -64,7 +64,7 @@ def test_the_bodies_of_other_robots_are_seen(files):
     assert list(both.last("/r2/scan").ranges) == pytest.approx([math.inf, 2.4], abs=1e-5)
 
 
-def test_what_is_nearer_than_the_least_range_is_minus_infinity(files):
+def test_returns_below_range_min_are_minus_infinity(files):
     near = robot(files, "range_min: 0.45, ignore_bodies: [arm], no_return: max")
 
     assert ranges(near) == [-math.inf, pytest.approx(5.0)]
@@ -83,7 +83,7 @@ def test_noise_leaves_no_range_below_the_least():
         RangeNoise(7, 0.5, 2.0, 2.1)
 
 
-def test_batches_and_pictures_know_both(files):
+def test_range_min_and_ignore_bodies_act_in_batches_and_pictures(files):
     robot(files, "range_min: 0.45, ignore_bodies: [arm], noise_std_dev: 0.1").world.close()
     world = files.folder / "world.yaml"
     with Simulation(world, seed=3) as simulation, SimulationBatch(

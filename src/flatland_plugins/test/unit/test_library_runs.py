@@ -146,7 +146,7 @@ def test_simulations_do_not_influence_each_other(begin):
     assert [content(each) for each in in_turns] == alone
 
 
-def test_64_simulations_in_threads_are_those_made_one_after_the_other(begin):
+def test_64_simulations_in_threads_equal_sequential_ones(begin):
     alone = [content(begin(seed).step(200)) for seed in range(64)]
 
     with ThreadPoolExecutor(8) as pool:

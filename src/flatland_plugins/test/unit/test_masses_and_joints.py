@@ -1,6 +1,6 @@
 """Masses of bodies, and limits and motors of joints, that a plugin or a program has set.
 
-They are in states, branches, batches and moments of the history, with the same bits; a reset makes
+They are in states, branches, batches and the history, with the same bits; a reset makes
 them what the files say.
 """
 
@@ -93,7 +93,7 @@ def test_states_branches_and_batches_have_what_a_program_has_set(world_of, name)
         assert rigging(simulation.models["robot"].model) == of_file
 
 
-def test_environments_of_a_batch_have_different_masses_and_joints(world_of):
+def test_environments_of_a_batch_may_differ_in_mass_and_joints(world_of):
     world = world_of()
     with SimulationBatch(world, 6, threads=2) as batch:
         simulations = [Simulation(world, seed=k) for k in range(6)]
@@ -131,7 +131,7 @@ def test_a_batch_has_what_a_plugin_sets_when_it_starts(world_of, name):
         assert_goes_on(batch, simulation)
 
 
-def test_each_moment_has_those_that_it_had(world_of):
+def test_seek_restores_masses_and_joints_of_that_time(world_of):
     world = world_of(noise="0.02", others="\n  - {type: Winder, name: winder}")
     with Simulation(world, seed=3, loader=Loader()) as simulation:
         simulation.keep_history(interval=0.3)
@@ -140,16 +140,16 @@ def test_each_moment_has_those_that_it_had(world_of):
             robot = simulation.models["robot"]
             return [*rigging(robot.model), simulation.poses.tolist(), robot.velocity]
 
-        moments = {}
+        states = {}
         for _ in range(30):
             drive(simulation, 1, steps=13)
-            moments[simulation.time] = seen()
+            states[simulation.time] = seen()
         last = simulation.save_state()
-        for time in [*list(moments)[-2::-5], *list(moments)[1::4]]:
+        for time in [*list(states)[-2::-5], *list(states)[1::4]]:
             assert simulation.seek(time).time == time
-            assert seen() == moments[time]
-        assert simulation.seek(max(moments)).save_state() == last
+            assert seen() == states[time]
+        assert simulation.seek(max(states)).save_state() == last
         simulation.reset()
-        for time in list(moments)[:10]:
+        for time in list(states)[:10]:
             drive(simulation, 1, steps=13)
-            assert (simulation.time, seen()) == (time, moments[time])
+            assert (simulation.time, seen()) == (time, states[time])

@@ -93,7 +93,7 @@ def test_frames_follow_their_bodies(files):
 
 
 @pytest.mark.parametrize("seconds", [0.0, 0.1])
-def test_a_drive_and_the_world_as_two_parents_of_the_base_are_warned_of(files, caplog, seconds):
+def test_two_parents_of_the_base_frame_cause_a_warning(files, caplog, seconds):
     drive = "type: DiffDrive, name: drive, body: base"
 
     load(files, drive, f"{TF}, publish_tf_world: true").run(seconds)

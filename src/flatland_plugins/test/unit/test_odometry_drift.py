@@ -115,7 +115,7 @@ def test_a_robot_that_drives_straight_on_errs_by_the_metre(parts, direction):
 
 
 @DIVISIONS
-def test_a_robot_that_moves_sideways_errs_in_the_direction_of_travel(parts):
+def test_sideways_motion_errs_in_the_direction_of_travel(parts):
     error = errors(DriftVariances(translation_per_metre=0.01), sideways, 4.0, parts)
 
     assert np.abs(error[:, [0, 2]]).max() < 1e-9
@@ -162,7 +162,7 @@ def test_a_parked_robot_in_a_world_does_not_drift_at_all(files, keys):
     assert robot.last(GROUND_TRUTH).pose != parked
 
 
-def test_a_robot_that_is_moved_takes_its_estimate_along_without_an_error(files):
+def test_moving_a_robot_moves_its_estimate_without_error(files):
     robot = files.robot(f"{DRIVE}, {KEYS}").drive(0.5).run(2.0)
     robot.drive(0.0).run(0.1)
     before = Pose(*pose_of(robot.last(FILTERED)))
@@ -285,7 +285,7 @@ def test_the_transform_drifts_as_the_message_does(files):
     assert transform.pose.x != pytest.approx(robot.model().pose.x, abs=1e-3)
 
 
-def test_a_twist_in_the_odometrys_frame_goes_by_the_drifted_heading(files):
+def test_a_twist_in_the_odometry_frame_uses_the_drifted_heading(files):
     robot = files.robot(f"{DRIVE}, odom_drift: [0, 0, 1], twist_in_local_frame: false")
 
     robot.drive(1.0).run(1.0)
@@ -296,7 +296,7 @@ def test_a_twist_in_the_odometrys_frame_goes_by_the_drifted_heading(files):
     assert abs(yaw) > 0.1
 
 
-def test_the_estimate_is_the_same_however_often_it_is_published_or_read(files):
+def test_the_estimate_does_not_depend_on_how_often_it_is_read(files):
     estimates = []
     for keys, reads in (("", 1), (", pub_rate: 3", 1), (", pub_rate: 3", 50)):
         robot = files.robot(f"{DRIVE}, {KEYS}{keys}", seed=5).drive(0.5, 0.3)

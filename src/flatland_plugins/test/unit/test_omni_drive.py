@@ -63,7 +63,7 @@ def test_a_turn_has_limits_of_its_own(files):
 
 
 @pytest.mark.parametrize(("local", "expected"), [("true", (0.3, 0.4)), ("false", (-0.4, 0.3))])
-def test_odometry_gives_its_twist_in_the_local_frame_or_the_worlds(files, local, expected):
+def test_odometry_has_its_twist_in_the_chosen_frame(files, local, expected):
     drive = f"{DRIVE}, twist_in_local_frame: {local}"
     robot = command(files.robot(drive, pose=f"[0, 0, {math.pi / 2}]"), 0.3, 0.4).run(0.1)
 

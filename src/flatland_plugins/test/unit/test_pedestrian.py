@@ -44,7 +44,7 @@ def odometry(x: float, y: float, yaw: float, forwards: float):
 # By itself
 
 
-def test_it_walks_as_a_person_of_a_crowd_does(files, town):
+def test_a_pedestrian_walks_like_a_person_of_a_crowd(files, town):
     goals = "goals: [[3, 0.5], [0, 0]]"
     box = {"box": f"model: {files.model('box')}, pose: [1.5, 0.1, 0]"}
     crowd = town(f"pose: [0, 0, 0], {goals}, legs: true", keys=CALM, robots=box)
@@ -85,7 +85,7 @@ def test_it_goes_where_odometry_says_and_stands_when_that_ceases(files):
         assert abs(place(person, leg)[1] - 3.7 - side * 0.1) < 0.02
 
 
-def test_odometry_that_is_not_finite_is_ignored_after_one_warning(files, caplog):
+def test_non_finite_odometry_is_ignored_after_one_warning(files, caplog):
     person = walker(files)
 
     for x in (math.nan, math.inf, 1e9):
@@ -117,7 +117,7 @@ def agent_states(monkeypatch):
 
 
 @pytest.mark.parametrize(("keys", "id"), [("", 7), (", agent_id: 3", 3)])
-def test_it_is_the_agent_of_its_id_by_default_of_its_number(files, agent_states, keys, id):
+def test_a_pedestrian_follows_the_agent_of_its_id_or_number(files, agent_states, keys, id):
     person = walker(files, f"agent_topic: /agents{keys}, {CALM}").run(0.5)
 
     agents = {"a1": (9.0, 9.0, 0.0, 0.0), f"a{id}": (0.2, -0.1, 0.6, -0.8)}
@@ -161,7 +161,7 @@ def test_steps_and_sizes_of_legs_are_those_of_the_phase(files):
         assert after[1] == pytest.approx(0.12 - 0.04 * max(0.0, lift), abs=2e-3)
 
 
-def test_a_laser_sees_its_legs_and_neither_its_body_nor_the_circle_around_it(files):
+def test_a_laser_sees_legs_but_not_body_or_safety_circle(files):
     circle = "  - {name: circle, footprints: [{type: circle, radius: 2, density: 0}]}\n"
     laser = (
         "type: Laser, name: laser, body: base, range: 9, "
@@ -242,14 +242,14 @@ def test_files_for_other_simulators_are_run_with_their_keys(files, agent_states)
         ("", LEGS.replace(LEG, f"{LEG}, {LEG}"), 'expected one footprint of "left_leg", found 2'),
     ],
 )
-def test_what_it_cannot_move_is_refused_at_its_line(files, keys, bodies, message):
+def test_bodies_that_a_pedestrian_cannot_move_are_refused(files, keys, bodies, message):
     with pytest.raises(Exception, match=r"walker.yaml:\d+: plugins") as caught:
         walker(files, keys, bodies)
 
     assert message in str(caught.value)
 
 
-def test_a_name_without_a_number_is_an_id_of_none(files, agent_states):
+def test_a_name_without_a_number_follows_no_agent(files, agent_states):
     plugin = "{type: Pedestrian, name: walk, agent_topic: /agents}"
     simulation = files.robot(plugin)
 

@@ -50,7 +50,7 @@ def test_poses_come_at_their_rate_along_the_way(files):
         assert pose.header.frame_id == "world"
 
 
-def test_files_for_other_simulators_name_it_and_its_keys_otherwise(files, caplog):
+def test_names_and_keys_of_the_original_pose_pub_are_accepted(files, caplog):
     keys = "ground_truth_pub: truth, pub_rate: 20, odom_frame_id: odom, odom_pub: odom"
     robot = load(files, f"type: PosePub, name: pose, body: base, {keys}")
 

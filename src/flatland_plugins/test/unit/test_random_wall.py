@@ -76,7 +76,7 @@ def parallel_offset(original: np.ndarray, copy: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize(("count", "expected"), [(4, COPIES), (0, set())])
-def test_walls_come_up_beside_those_of_the_map_on_the_robots_side(files, count, expected):
+def test_random_walls_are_beside_map_walls_on_the_robots_side(files, count, expected):
     world = room(files, f"{WALLS}, num_of_walls: {count}")
 
     assert set(added(world)) == expected
@@ -92,7 +92,7 @@ def test_a_double_wall_is_on_both_sides(files):
 
 @pytest.mark.parametrize("count", [1, 2, 3])
 @pytest.mark.parametrize("is_double", [False, True])
-def test_there_are_as_many_as_asked_for_no_two_beside_one_wall(files, count, is_double):
+def test_as_many_walls_are_added_as_asked_for_at_distinct_places(files, count, is_double):
     plugin = f"{WALLS}, num_of_walls: {count}, double_wall: {str(is_double).lower()}"
     copies = added(room(files, plugin))
 
@@ -113,9 +113,7 @@ def test_there_are_as_many_as_asked_for_no_two_beside_one_wall(files, count, is_
     ],
 )
 @pytest.mark.parametrize("wall", ["3 -1 3 1", "3 1 3 -1"])
-def test_the_robots_side_is_where_it_stands_when_the_world_is_loaded(
-    files, simulate, pose, copy, wall
-):
+def test_the_side_is_that_of_the_robot_at_loading(files, simulate, pose, copy, wall):
     plugin = WALLS.replace("0.5", "1") + ", num_of_walls: 1"
 
     [found] = added(room(files, plugin, segments=(wall,), pose=pose), before=1)
@@ -195,7 +193,7 @@ def test_the_robot_is_as_large_as_its_footprints(files, footprint, pose, is_free
             room(files, plugin, segments=("3 -2 3 2",), robot=robot, pose=pose)
 
 
-def test_a_robot_of_several_bodies_reaches_as_far_as_the_farthest(files):
+def test_the_farthest_body_sets_the_reach_of_a_robot(files):
     files.write(
         "long.model.yaml",
         """
@@ -277,7 +275,7 @@ def test_a_wrong_configuration_is_refused_at_its_line(files, replaced, message):
     assert str(caught.value) == f"{files.folder}/world.yaml:{PLUGINS_LINE}: plugins[0].{message}"
 
 
-def test_of_a_layer_without_walls_none_may_be_asked_for(files):
+def test_zero_random_walls_may_be_on_a_layer_without_walls(files):
     plugin = WALLS.replace("layer: walls", "layer: empty")
 
     assert added(room(files, plugin)) == []

@@ -77,7 +77,7 @@ def test_its_messages_say_how_far_off_they_may_be(office_with_it):
     assert list(twist.twist.covariance) == list(odometry.twist.covariance)
 
 
-def test_the_covariance_of_its_twist_is_that_of_its_errors_at_full_speed(office_with_it):
+def test_its_twist_covariance_equals_its_errors_at_full_speed(office_with_it):
     office_with_it.drive(0.26, 1.82, topic="/real/cmd_vel").run(5.0)
 
     messages = office_with_it.record(ODOMETRY, 30.0)

@@ -88,7 +88,7 @@ def noisy(world_of):
 
 @pytest.mark.parametrize("threads", [1, 2, 4])
 @pytest.mark.parametrize("count", [1, 7, 64])
-def test_an_environment_is_a_simulation_whatever_its_neighbours(noisy, count, threads):
+def test_an_environment_equals_a_simulation_in_any_batch(noisy, count, threads):
     world, expected = noisy
 
     found = run_batch(world, count, threads, 2)
@@ -203,7 +203,7 @@ def test_pedestrians_are_those_of_a_simulation(world_of, plugins):
     assert_are_simulations(found, {k: run_simulation(world, k, 2) for k in range(3)})
 
 
-def test_where_people_are_is_seen_in_a_view(world_of):
+def test_a_view_shows_the_people_of_its_environment(world_of):
     world = world_of(models=WORLD + CROWD)
     with SimulationBatch(world, 2, seed=7) as batch, Simulation(world, seed=8) as simulation:
         batch.step(np.zeros((2, 2)), 300)

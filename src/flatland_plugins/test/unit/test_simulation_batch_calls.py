@@ -26,7 +26,7 @@ def test_facts_of_the_robot(world_of):
         assert batch.seeds.tolist() == [5, 3, 9]
 
 
-def test_arrays_of_an_observation_are_new_or_those_that_are_passed(world_of):
+def test_observations_are_new_arrays_unless_out_is_passed(world_of):
     with SimulationBatch(world_of(), 4) as batch:
         actions = np.full((4, 2), 0.5, np.float32)
         first = batch.step(actions)

@@ -63,7 +63,7 @@ def run_simulation(world, k):
 
 
 def is_driven(i, number):
-    """Whether a robot is in the mask of a round."""
+    """True if a robot is in the mask of a round."""
     return number != 1 or not LEFT_OUT_FROM <= i < RESET_AT
 
 

@@ -1,4 +1,4 @@
-"""Sensors whose transform is sent once, on /tf_static."""
+"""Sensors with transforms that are sent once, on /tf_static."""
 
 import math
 
@@ -43,7 +43,7 @@ def test_all_mounts_are_in_one_message_and_none_on_tf():
     assert all(each.header.stamp.to_nsec() == 0 for each in latched.transforms)
 
 
-def test_they_are_transforms_of_a_simulation_like_those_on_tf():
+def test_static_mounts_are_in_the_transforms_of_a_simulation():
     static = Simulation(robots("a", static_tf=True), topics=["/tf"])
     sent = Simulation(robots("a"), topics=["/tf"])
 
@@ -82,7 +82,7 @@ def test_without_broadcast_there_is_no_transform():
     assert simulation.transforms == {}
 
 
-def test_a_deleted_robot_takes_its_mounts_along_and_a_reset_brings_them_back():
+def test_mounts_vanish_with_their_robot_and_return_by_reset():
     simulation = Simulation(robots("a", "b", static_tf=True))
     simulation.delete("a")
     assert static_frames(simulation) == ["b_gps", "b_imu", "b_lidar"]
@@ -92,7 +92,7 @@ def test_a_deleted_robot_takes_its_mounts_along_and_a_reset_brings_them_back():
     assert len(static_frames(simulation)) == 6
 
 
-def test_transforms_of_other_publishers_stay_and_the_last_one_counts():
+def test_static_transforms_of_all_publishers_are_merged():
     transport = LocalTransport()
     first, second = (
         transport.advertise("/tf_static", TFMessage, latch=True, queue_size=1) for _ in range(2)

@@ -1,4 +1,4 @@
-"""`seek` goes to any moment of a run: each is what it was, bit for bit, and the run goes on."""
+"""`seek` goes to any time of a run: each is what it was, bit for bit, and the run goes on."""
 
 from dataclasses import replace
 
@@ -51,7 +51,7 @@ def world(request, world_of):
     return world_of(noise="0.02", **WORLDS[request.param])
 
 
-def test_each_moment_is_what_it_was(world):
+def test_seek_restores_each_time_exactly(world):
     with Simulation(world, seed=3) as simulation:
         simulation.subscribe("scan", "odometry/filtered", "/tf")
         simulation.keep_history(interval=0.3)
@@ -65,7 +65,7 @@ def test_each_moment_is_what_it_was(world):
         assert simulation.seek(times[-1]).save_state() == last
 
 
-def test_the_run_goes_on_from_a_moment_as_it_did_then(world):
+def test_a_run_continues_from_a_sought_time_as_it_did_then(world):
     with Simulation(world, seed=3) as simulation, Simulation(world, seed=3) as other:
         simulation.keep_history(interval=0.3)
         drive(simulation, 23), drive(other, 13)
@@ -89,7 +89,7 @@ def simulation(world_of):
         yield opened
 
 
-def test_another_moment_can_be_sought_until_the_run_goes_on(simulation):
+def test_other_times_can_be_sought_until_the_run_continues(simulation):
     simulation.step(700)
     simulation.seek(1.25)
     simulation.models["robot"].command(1.0, 0.0)  # counts once the run goes on
@@ -130,7 +130,7 @@ def test_models_that_came_and_went_are_there_at_their_times(simulation):
 
 
 @pytest.mark.parametrize(("memory", "forgets"), [(30_000, False), (9_000, True)])
-def test_the_memory_is_bounded_and_each_moment_that_is_left_is_exact(world_of, memory, forgets):
+def test_memory_is_bounded_and_each_time_left_is_exact(world_of, memory, forgets):
     """States are thinned out at first; if commands alone need more, the oldest are forgotten."""
     with Simulation(world_of(noise="0.02"), seed=3) as simulation:
         history = simulation.keep_history(interval=0.1, memory=memory)
@@ -147,7 +147,7 @@ def test_the_memory_is_bounded_and_each_moment_that_is_left_is_exact(world_of, m
             assert_equal(observed(simulation.seek(time)), seen[time])
 
 
-def test_a_message_is_what_it_was_when_its_sender_changes_it_afterwards(simulation):
+def test_the_history_keeps_copies_of_messages(simulation):
     message, seen = twist(1.0, 0.0), {}
     for vx in (1.0, -0.5, 0.2):
         message.linear.x = vx
@@ -195,7 +195,7 @@ def test_the_memory_is_bounded_in_a_pause(simulation, is_in_past):
     assert (simulation.seek(present).seek(history.end).poses == poses).all()
 
 
-def test_going_on_from_one_moment_again_and_again_needs_no_more_memory(simulation):
+def test_repeated_runs_from_one_time_need_no_more_memory(simulation):
     simulation.step(250)
     sizes = []
     for turn in np.linspace(-1.0, 1.0, 20):
@@ -208,7 +208,7 @@ def test_going_on_from_one_moment_again_and_again_needs_no_more_memory(simulatio
 
 
 @pytest.mark.parametrize("time", [1.05, 1.15])
-def test_the_moment_from_which_a_run_went_on_is_not_thinned_out(simulation, time):
+def test_the_time_at_which_a_run_continued_is_not_thinned_out(simulation, time):
     history = simulation.keep_history(interval=0.1, memory=35_000)
     turn_at_random(simulation, 60, np.random.default_rng(0))
     simulation.seek(time)
@@ -319,7 +319,7 @@ def test_a_reset_begins_another_history(simulation):
     assert simulation.seek(0.2).time == pytest.approx(0.2)
 
 
-def test_a_world_that_cannot_be_saved_has_no_history_until_it_can(simulation):
+def test_a_world_has_no_history_while_it_cannot_be_saved(simulation):
     simulation.step(10)
     config = replace(simulation.world.read_model(BOX), is_read=False)
     simulation.world.add_model(ModelEntry("toy", "", Pose(1, 1, 0), config))

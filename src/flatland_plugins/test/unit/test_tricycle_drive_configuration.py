@@ -80,7 +80,7 @@ def line_of(key: str) -> int:
         ),
     ],
 )
-def test_wheels_that_are_none_of_a_tricycle_are_refused_by_their_key(files, replaced, key, message):
+def test_wheels_unfit_for_a_tricycle_are_refused_by_their_key(files, replaced, key, message):
     where = f"{line_of(key)}: plugins[0].{key.partition(':')[0]}"
 
     assert f"{where}: {message}" in refusal(files, replaced=replaced).split("\n")
@@ -117,7 +117,7 @@ def test_wheels_that_are_none_of_a_tricycle_are_refused_by_their_key(files, repl
         ),
     ],
 )
-def test_a_rear_axle_that_is_none_is_refused(files, left, right, message):
+def test_rear_wheels_that_form_no_axle_are_refused(files, left, right, message):
     line = line_of("type: TricycleDrive")
 
     assert refusal(files, left=left, right=right) == f'{line}: plugins[0] "drive": {message}'

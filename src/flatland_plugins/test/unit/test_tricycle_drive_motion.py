@@ -31,7 +31,7 @@ either_way_round = pytest.mark.parametrize(
 
 @pytest.mark.parametrize(("speed", "angle"), [(1.5, -0.7), (-0.8, 0.5)])
 @either_way_round
-def test_the_front_wheel_and_the_rear_axle_follow_circles_about_one_centre(
+def test_front_wheel_and_rear_axle_circle_about_one_centre(
     files, speed: float, angle: float, front: str
 ):
     robot = forklift(files, front=front).drive(speed, angle)
@@ -105,7 +105,7 @@ def test_a_tricycle_that_is_moved_stands_still_as_it_is_steered(files, limits):
         assert robot.model().get_body(name).pose[:2] == pytest.approx(expected, abs=1e-3)
 
 
-def test_a_tricycle_that_was_moved_drives_on_from_there_when_it_is_told(files):
+def test_a_moved_tricycle_stands_until_the_next_command(files):
     robot = forklift(files, LINEAR).drive(1.0, 0.0).run(3.0)
     robot.world.move_model("robot", Pose(3.0, -2.0, math.pi / 2))
 

@@ -1,4 +1,4 @@
-"""Tween: the pose of a body at each moment, in every mode and with every easing."""
+"""Tween: the pose of a body at each time, in every mode and with every easing."""
 
 from typing import Any, Tuple
 

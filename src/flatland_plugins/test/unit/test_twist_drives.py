@@ -26,7 +26,7 @@ def make(request, files):
 @pytest.mark.parametrize(
     ("linear", "angular"), [(math.nan, 0.0), (0.0, math.nan), (math.inf, 0.0), (0.0, -math.inf)]
 )
-def test_a_command_that_cannot_be_obeyed_is_ignored_with_a_warning(make, caplog, linear, angular):
+def test_an_impossible_command_is_ignored_with_a_warning(make, caplog, linear, angular):
     robot = make(namespace="robot1").drive(0.5, topic="/robot1/cmd_vel").run(1.0)
 
     robot.drive(linear, angular, topic="/robot1/cmd_vel").run(1.0)
@@ -38,7 +38,7 @@ def test_a_command_that_cannot_be_obeyed_is_ignored_with_a_warning(make, caplog,
     assert robot.model().pose == pytest.approx((1.0, 0.0, 0.0), abs=1e-3)
 
 
-def test_of_a_series_of_wrong_commands_the_first_one_is_warned_of(make, caplog):
+def test_only_the_first_of_several_wrong_commands_is_warned_of(make, caplog):
     robot = make()
 
     for speed in (math.nan, math.nan, 0.5, math.nan, math.inf):
@@ -48,7 +48,7 @@ def test_of_a_series_of_wrong_commands_the_first_one_is_warned_of(make, caplog):
 
 
 @pytest.mark.parametrize("make", ["DiffDrive", "TricycleDrive"], indirect=True)
-def test_what_a_drive_cannot_do_is_not_looked_at(make, caplog):
+def test_components_that_a_drive_cannot_do_are_ignored(make, caplog):
     robot = make()
     twist = Twist()
     twist.linear.x, twist.linear.y, twist.angular.x = 0.5, math.nan, math.inf

@@ -68,7 +68,7 @@ def run_drives(folder: Path) -> List[str]:
     return [busy_town.content_of(message).hex() for message in messages if message is not None]
 
 
-def test_every_plugin_takes_part():
+def test_the_world_of_this_test_has_every_plugin():
     names = [element.get("name", "") for element in DECLARED]
 
     town = (busy_town.ROBOT, busy_town.DOOR, busy_town.WALKER, busy_town.WORLD)

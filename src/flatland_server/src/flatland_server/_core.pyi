@@ -44,8 +44,8 @@ class World(metaclass=_Metaclass):
     """A physical world.
 
     Args:
-        velocity_iterations: of the solver in each step, 1 or more.
-        position_iterations: of the solver in each step, 1 or more.
+        velocity_iterations: velocity iterations of the solver in each step, 1 or more.
+        position_iterations: position iterations of the solver in each step, 1 or more.
     """
 
     def __init__(self, velocity_iterations: int = 10, position_iterations: int = 10) -> None: ...
@@ -219,7 +219,7 @@ class WorldBatch(metaclass=_Metaclass):
     (n * m, 3) float64, collided (n * m,) bool, steps (n,) int64.
 
     Args:
-        world: the initial one; it is copied.
+        world: the initial world, which is copied.
         robots: of each, its bodies, the first of which is observed; the pose of that body in the
             robot's frame; its drive; the index of the drive's number that each number of an action
             sets; and its lidar.
@@ -227,7 +227,7 @@ class WorldBatch(metaclass=_Metaclass):
         threads: number of threads that share the environments.
         models: models that `reset` can move: the bodies of each, and the pose of the first body in
             the model's frame.
-        steps: that the world has made.
+        steps: number of steps that the world has made.
     """
 
     def __init__(
@@ -870,9 +870,9 @@ class StepMessage(metaclass=_Metaclass):
     """A message that the core writes at each step; see `StepMessages`.
 
     Args:
-        message: is written.
-        outbox: keeps it until it is sent.
-        queues: of the subscribers that get it.
+        message: the message to write.
+        outbox: outbox that holds the message until it is sent.
+        queues: queues of the subscribers that get the message.
         transforms: if the message is transforms, the list that they are added to.
     """
 
@@ -1261,7 +1261,7 @@ class Crowd(_WithoutConstructor):
         """
     def remove(self) -> None:
         """Removes the crowd. The bodies of its people stay, and move like others."""
-    def rooms(self) -> list[_Triple]:
+    def clearances(self) -> list[_Triple]:
         """The distances of each person's middle from the nearest wall, body and other person [m].
 
         Infinite if there is none, or no wall within the reach of the forces.
@@ -1320,7 +1320,7 @@ class GoalObserver(metaclass=_Metaclass):
     """Makes observations of robots that drive to goals; docs/learning.md describes them.
 
     Args:
-        beams: of the lidar.
+        beams: number of the lidar's beams.
         max_range: of the lidar [m].
         velocity_limits: by which the velocities forwards, to the left and turning are divided;
             0 leaves the part out.
@@ -1350,7 +1350,7 @@ class LinesOfSight(metaclass=_Metaclass):
 
     def __init__(self, walls: Segments) -> None: ...
     def blocked(self, lines: FloatArray) -> BoolArray:
-        """Whether a wall crosses each line: a new array of shape (n,). Releases the GIL.
+        """True for each line that a wall crosses: a new array of shape (n,). Releases the GIL.
 
         Args:
             lines: x1, y1, x2, y2 [m], shape (n, 4); a line that is not finite is not blocked.
@@ -1361,7 +1361,7 @@ def normal_rows(keys: npt.NDArray[np.uint64], count: int) -> FloatArray:
 
     Args:
         keys: equal ones give equal rows, shape (n,).
-        count: of the numbers in a row.
+        count: number of numbers in a row.
     """
 
 def lower_to_walls(
@@ -1406,14 +1406,14 @@ class FloorSquares(metaclass=_Metaclass):
     def __contains__(self, point: _PairLike) -> bool:
         """True if a point is in one of the squares."""
     def crop(self, poses: FloatArray, cells: int) -> BoolArray:
-        """Which places around robots are in one of the squares: a new array (n, cells²).
+        """True for the places around robots that are in a square: a new array (n, cells²).
 
         The places are the middles of squares of the same size in the robot's frame, the robot in
         the middle: rows from behind to ahead of it, each from its right to its left.
 
         Args:
             poses: x, y [m] and yaw [rad], shape (n, 3).
-            cells: along each side.
+            cells: number of squares along each side.
 
         Raises:
             ValueError: an argument is wrong.
@@ -1424,7 +1424,7 @@ class FloorSquares(metaclass=_Metaclass):
         Draws the same as `rng.integers(len(self))` and `rng.random(2)`.
 
         Args:
-            rng: the random numbers.
+            rng: generator of NumPy to draw from.
 
         Raises:
             ValueError: there is no square.
@@ -1444,11 +1444,11 @@ class FloorSquares(metaclass=_Metaclass):
         before it, and has a random heading.
 
         Args:
-            rng: the random numbers.
+            rng: generator of NumPy to draw from.
             discs: the others: x, y and radius [m].
             radius: of the discs [m].
             distance: of their middles from the edges of others [m].
-            count: how many are drawn.
+            count: number of poses.
             tries: number of points after which a disc has no place: None.
 
         Raises:
@@ -1468,7 +1468,7 @@ class FloorSquares(metaclass=_Metaclass):
         """A random pose in these squares, and a goal: x, y and yaw, and x, y [m, m, rad].
 
         Args:
-            rng: the random numbers.
+            rng: generator of NumPy to draw from.
             start: one that is given, and is not checked, or None.
             goal: the same for the goal.
             distances: the least and the largest distance of the two [m].

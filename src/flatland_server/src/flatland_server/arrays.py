@@ -40,7 +40,7 @@ def npy_array(data: bytes) -> Any:
     """The array of a file .npy: of the bytes that are there, whatever size the header tells.
 
     Args:
-        data: the file's content.
+        data: content of the file.
 
     Raises:
         ValueError: it is none, or has not as many bytes as the header tells.

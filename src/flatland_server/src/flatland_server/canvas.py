@@ -31,10 +31,10 @@ class Canvas(ABC):
         """Draws a polygon.
 
         Args:
-            corners: of a simple polygon, in either order.
+            corners: corners of a simple polygon [m], in either order: shape (n, 2).
             fill: colour of the inside; None leaves it as it is.
             outline: colour of the outline; None draws none.
-            width: the outline's width.
+            width: width of the outline [px].
         """
 
     @abstractmethod
@@ -49,11 +49,11 @@ class Canvas(ABC):
         """Draws a disc.
 
         Args:
-            center: the disc's center.
-            radius: the disc's radius.
+            center: x, y of the centre [m].
+            radius: radius [m].
             fill: colour of the inside; None leaves it as it is.
             outline: colour of the outline; None draws none.
-            width: the outline's width.
+            width: width of the outline [px].
         """
 
     @abstractmethod
@@ -61,9 +61,9 @@ class Canvas(ABC):
         """Draws line segments.
 
         Args:
-            segments: shape (n, 4), x1, y1, x2, y2.
-            color: the lines' color.
-            width: the lines' width.
+            segments: x1, y1, x2, y2 [m]: shape (n, 4).
+            color: colour and opacity of all lines.
+            width: width of the lines [px].
         """
 
     @abstractmethod
@@ -71,9 +71,9 @@ class Canvas(ABC):
         """Draws a line from each point to the next.
 
         Args:
-            points: the corners of the line.
-            color: the line's color.
-            width: the line's width.
+            points: corners of the line [m]: shape (n, 2).
+            color: colour and opacity of the line.
+            width: width of the line [px].
         """
 
     @abstractmethod
@@ -81,9 +81,9 @@ class Canvas(ABC):
         """Draws round dots.
 
         Args:
-            points: their centres.
-            color: the dots' color.
-            size: their diameter.
+            points: centres of the dots [m]: shape (n, 2).
+            color: colour and opacity of all dots.
+            size: diameter of a dot [px].
         """
 
     @abstractmethod
@@ -91,7 +91,7 @@ class Canvas(ABC):
         """Writes a short text to the right of a point, and below it.
 
         Args:
-            point: the top left corner of the text.
+            point: x, y of the top left corner of the text [m].
             text: one line.
-            color: the text's color.
+            color: colour and opacity of the text.
         """

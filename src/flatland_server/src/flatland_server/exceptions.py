@@ -73,7 +73,7 @@ class YamlError(FlatlandError):
     others.
 
     Args:
-        file: that has the problem.
+        file: path of the file with the problem.
         message: the place within the document, what was expected and what was found.
         line: of the wrong value, from 1; None if it is not known.
         column: of the wrong value, from 1; None if it is not known.
@@ -107,7 +107,7 @@ class YamlError(FlatlandError):
         """A line for each of the first 50 problems, and one with the number of the others.
 
         Args:
-            line_of: makes the line of a problem.
+            line_of: returns the line for a problem.
         """
         lines = [line_of(problem) for problem in self.problems[:MAX_SHOWN]]
         rest = len(self.problems) - len(lines)

@@ -74,7 +74,7 @@ class UpdateTimer:
         """Restores a state.
 
         Args:
-            state: of `get_state`.
+            state: result of `get_state`.
 
         Raises:
             ValueError: it is not the state of a timer.

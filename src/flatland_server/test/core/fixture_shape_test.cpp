@@ -1,4 +1,4 @@
-/// Fixtures whose shape or layers are replaced while the world runs.
+/// Replacing the shape or layers of fixtures while the world runs.
 
 #include <gtest/gtest.h>
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <memory>
 #include <stdexcept>
 
@@ -225,6 +226,42 @@ TEST_F(GrippingRobot, FallsAsleepAndIsWokenByACommand) {
   world_.Get(drive_).Command({0.5, 0.0, 0.0});
   StepTimes(world_, 100);
   EXPECT_NEAR(SpeedOf(robot), 0.5, 1e-5);
+}
+
+// A robot that touches a sensor is solved with the joint, one that touches nothing without it.
+TEST_F(GrippingRobot, IsPulledByTheSameImpulseWithAndWithoutContacts) {
+  BodySettings damped;
+  damped.linear_damping = 0.5;
+  damped.angular_damping = 0.8;
+  for (const ActuatorSettings& settings :
+       {Limited(30.0, 0.0, 0.0), Limited(0.0, 2.0, 0.3), Limited(1e4, 1e4, 0.0)}) {
+    World world(10, 10);
+    std::array<World::Body, 2> robots;
+    std::array<World::Drive, 2> drives;
+    for (int i = 0; i < 2; ++i) {
+      damped.pose = {100.0 * i, 0.0, 0.3};
+      robots[i] = world.AddBody(damped);
+      FixtureSettings fixture = Solid();
+      fixture.density = 80.0;
+      world.AddCircle(robots[i], {0.05, 0.02}, 0.3, fixture);
+      drives[i] = world.AddDrive(robots[i], {}, {}, settings);
+    }
+    FixtureSettings zone = Solid();
+    zone.sensor = true;
+    world.AddCircle(world.AddBody({}), {}, 20.0, zone);
+    for (int step = 0; step < 400; ++step) {
+      for (int i = 0; i < 2; ++i) {
+        world.Get(drives[i]).Command({1.0 - (step / 150) % 2, 0.3, 0.8 - 0.01 * (step % 90)});
+        if (step % 7 == 0) world.ApplyForce(robots[i], {20.0, 5.0});
+        if (step % 5 == 0) world.ApplyTorque(robots[i], 1.0);
+      }
+      world.Step(kStep);
+      const Pose a = world.GetPose(robots[0]), b = world.GetPose(robots[1]);
+      ASSERT_NEAR(a.x, b.x - 100.0, 1e-3) << step;
+      ASSERT_NEAR(a.y, b.y, 1e-3) << step;
+      ASSERT_NEAR(a.yaw, b.yaw, 1e-3) << step;
+    }
+  }
 }
 
 TEST_F(GrippingRobot, NeedsAMomentOfInertia) {

@@ -28,7 +28,7 @@ def package(good_files, monkeypatch):
     return folder
 
 
-def test_maps_images_data_models_and_includes_may_be_in_a_package(good_files, package):
+def test_all_files_of_a_world_may_be_in_a_package(good_files, package):
     good_files.edit("world.yaml", "map: map.yaml", "map: package://robots/map.yaml")
     good_files.edit("world.yaml", "map: lines.yaml", "map: package://robots/lines.yaml")
     good_files.edit("world.yaml", "model: robot", "model: package://robots/robot")
@@ -91,7 +91,7 @@ def test_flatland_check_takes_a_package(package, capsys):
         ),
     ],
 )
-def test_what_is_not_in_a_package_is_named_with_its_line(good_files, package, name, message):
+def test_a_file_missing_in_a_package_is_named_with_its_line(good_files, package, name, message):
     good_files.edit("world.yaml", "model: robot.model.yaml", f"model: {name}")
 
     assert f"world.yaml:13: models[0].model: {message}" in good_files.refusal()

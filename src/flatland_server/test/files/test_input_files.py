@@ -78,7 +78,7 @@ def test_a_file_without_a_size_is_read_up_to_the_limit():
         input_files.read_input(Path("/proc/self/maps"), 100)
 
 
-def test_a_file_of_too_many_values_is_refused_before_it_fills_the_memory(files, monkeypatch):
+def test_a_file_with_too_many_values_is_refused_early(files, monkeypatch):
     monkeypatch.setattr(composed_files, "MAX_VALUES", 1000)
     files.write("world.yaml", f"x: [{'1, ' * 600}]\ny:\n- $include other.yaml\n")
     files.write("other.yaml", f"[{'1, ' * 300}\n{'1, ' * 300}]\n")
@@ -90,7 +90,7 @@ def test_a_file_of_too_many_values_is_refused_before_it_fills_the_memory(files, 
 
 
 @pytest.mark.parametrize("number", ["1e308", "-1e308", "1e10"])
-def test_a_number_beyond_physics_in_line_data_is_named_with_its_line(good_files, number):
+def test_an_enormous_number_in_line_data_is_named_with_its_line(good_files, number):
     good_files.edit("lines.dat", "2 3 -1 2", f"2 3 -1 {number}")
 
     assert good_files.refusal() == (
@@ -106,13 +106,13 @@ def test_a_number_beyond_physics_in_line_data_is_named_with_its_line(good_files,
         ("2 3 2 3\n0 0 0 0", "of a micrometre or more, found a shorter one in lines.dat:1"),
     ],
 )
-def test_walls_that_physics_cannot_represent_are_named_with_their_line(good_files, lines, message):
+def test_impossible_walls_are_named_with_their_line(good_files, lines, message):
     good_files.write("lines.dat", lines)
 
     assert good_files.refusal() == f"lines.yaml: expected walls {message}"
 
 
-def test_lines_without_length_and_further_columns_are_ignored_with_a_warning(good_files, caplog):
+def test_zero_length_lines_and_extra_columns_cause_a_warning(good_files, caplog):
     """As in the original: CAD programs write them."""
     good_files.write("lines.dat", "0 0 5 0 0.5\n2 2 2.0 2\n0 0 0 5e0 wall\n1 1 1 1.000001")
 

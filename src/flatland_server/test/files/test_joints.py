@@ -208,7 +208,7 @@ def test_the_angle_of_a_weld_is_the_second_bodys_relative_angle(files):
 
 
 @pytest.mark.parametrize("trailer_density", [1.0, 10.0], ids=["light trailer", "heavy trailer"])
-def test_a_rigid_weld_stays_within_a_millimetre_and_a_tenth_of_a_degree(files, trailer_density):
+def test_a_rigid_weld_holds_a_millimetre_and_a_tenth_of_a_degree(files, trailer_density):
     world = files.spawn(towing(trailer_density=trailer_density))
 
     far, turned = worst_deviation(world)

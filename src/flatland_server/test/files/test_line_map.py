@@ -77,7 +77,7 @@ def test_the_threshold_is_that_of_occupancy(room):
         (MAP.replace("room.png", "none.png"), "none.png"),
     ],
 )
-def test_what_is_wrong_is_told(room, text, expected):
+def test_a_wrong_map_file_is_refused(room, text, expected):
     (room / "room.yaml").write_text(text)
     with pytest.raises(YamlError) as error:
         LineMap.from_file(room / "room.yaml")

@@ -87,7 +87,9 @@ def of_folder(files, found: List[str]) -> List[str]:
 
 
 @pytest.mark.parametrize(("file", "old", "new", "warning"), TRAPS.values(), ids=TRAPS.keys())
-def test_a_trap_is_one_warning_with_its_place(good_files, caplog, file, old, new, warning):
+def test_a_common_mistake_is_one_warning_with_its_place(
+    good_files, caplog, file, old, new, warning
+):
     other = "\n  - {name: other, footprints: [{type: circle, radius: 0.03, density: 1}]}\njoints:"
     good_files.edit(MODEL, "\njoints:", other)
     good_files.edit(file, old, new)
@@ -124,7 +126,7 @@ def test_an_image_of_one_block_is_a_warning(good_files, caplog, mode, kind, dark
     assert found.startswith(f"map.yaml:1: image: {warning}")
 
 
-def test_an_image_with_transparency_that_hides_nothing_is_none(good_files, caplog):
+def test_an_opaque_alpha_channel_causes_no_warning(good_files, caplog):
     """Pillow would print a warning of its own."""
     image = Image.new("P", (60, 40), 0)
     image.putpalette([254, 254, 254, 0, 0, 0, *[0] * 762])
@@ -164,7 +166,7 @@ def test_an_image_is_turned_as_its_exif_data_say(good_files, kind, orientation, 
     assert np.array_equal(walls.max(0), low + size)
 
 
-def test_a_polygon_that_is_closed_by_its_first_point_is_as_without_it(good_files, caplog):
+def test_a_repeated_first_point_of_a_polygon_is_dropped(good_files, caplog):
     good_files.edit(MODEL, "[0.02, 0.1]]", "[0.02, 0.1], [0.02, 0]]")
     good_files.edit(MODEL, LASER_KEYS, ON_A_VERTEX)
 

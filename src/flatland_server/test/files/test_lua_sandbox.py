@@ -99,7 +99,7 @@ UNAVAILABLE = [
 
 
 @pytest.mark.parametrize("code", UNAVAILABLE)
-def test_what_could_lead_out_of_the_sandbox_is_not_available(evaluate, files, code):
+def test_dangerous_lua_functions_are_not_available(evaluate, files, code):
     name = code.split("(")[0].split(".")[0].split(" ")[0].split("[")[0]
 
     with pytest.raises(YamlError) as caught:
@@ -224,7 +224,7 @@ def test_an_attack_fails_with_an_error_that_names_it(evaluate, files, code, mess
 
 
 @pytest.mark.parametrize("code", ENDLESS.values(), ids=ENDLESS.keys())
-def test_what_does_not_end_is_ended(evaluate, files, monkeypatch, code):
+def test_an_endless_expression_is_ended(evaluate, files, monkeypatch, code):
     limit = lua.TIME_LIMIT if code == ENDLESS["loops"] else 0.1  # processor time for each
     monkeypatch.setattr(lua, "TIME_LIMIT", limit)
     begin = processor_time()
@@ -274,7 +274,7 @@ def test_an_environment_variable_that_is_not_utf8_does_no_harm(evaluate, monkeyp
 
 
 @pytest.mark.parametrize("result", ["$eval os.exit()", "$include /etc/passwd", "$[include] x"])
-def test_what_an_expression_returns_is_not_resolved_again(evaluate, result):
+def test_the_result_of_an_expression_is_not_resolved_again(evaluate, result):
     assert evaluate(f"'{result}'") == result
 
 
@@ -293,7 +293,7 @@ def test_what_an_expression_returns_is_not_resolved_again(evaluate, result):
         "python = 1; io = 2; os = 3; _G = 4",
     ],
 )
-def test_what_an_expression_overwrites_is_restored_for_the_next_one(evaluate, poison):
+def test_globals_overwritten_by_an_expression_are_restored(evaluate, poison):
     assert evaluate(f"{poison} return 1") == "1"
 
     assert_next_one_works(evaluate)

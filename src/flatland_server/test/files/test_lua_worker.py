@@ -105,7 +105,7 @@ def wait_until_computing(pid: int) -> None:
     wait_until(lambda: ticks() >= end, f"the process {pid} to compute", 10.0)
 
 
-def test_a_worker_that_computes_ends_with_a_parent_that_is_killed():
+def test_a_busy_worker_ends_when_its_parent_is_killed():
     program = """
         import sys
         from flatland_server.config import lua
@@ -126,7 +126,7 @@ def test_a_worker_that_computes_ends_with_a_parent_that_is_killed():
     wait_until_ended(worker)
 
 
-def test_a_worker_of_a_parent_that_has_ended_before_it_does_not_start():
+def test_a_worker_without_its_parent_does_not_start():
     not_our_child_s_parent = os.getppid()
 
     worker = subprocess.run(
@@ -178,7 +178,7 @@ def test_the_expressions_of_a_file_share_their_time(files, preprocessor):
 
 
 @pytest.mark.slow
-def test_each_file_has_its_own_time(files, preprocessor, evaluate):
+def test_each_file_has_its_own_time_limit(files, preprocessor, evaluate):
     with pytest.raises(YamlError):
         evaluate("while true do end")
 
@@ -191,7 +191,7 @@ def test_without_expressions_there_is_no_worker(files, preprocessor):
     assert preprocessor._expressions._lua._worker is None
 
 
-def test_a_worker_that_is_killed_is_an_error_and_is_started_again(evaluate, preprocessor):
+def test_a_killed_worker_is_an_error_and_is_restarted(evaluate, preprocessor):
     evaluate("1")
     preprocessor._expressions._lua._worker.kill()
     preprocessor._expressions._lua._worker.wait()

@@ -94,7 +94,7 @@ def test_names_of_bodies_and_plugins_are_a_line_of_text(refusal, name):
         ("namespace: r1", "world.yaml:11: models[0].namespace: "),
     ],
 )
-def test_names_of_models_layers_and_namespaces_are_parts_of_topics(good_files, name, old, place):
+def test_names_that_are_no_part_of_a_topic_are_refused(good_files, name, old, place):
     key = old.partition(":")[0]
     good_files.edit("world.yaml", old, f"{key}: {quoted(name)}")
     if key == "namespace" and name in ("''", "a/", "/", "//a"):
@@ -165,7 +165,7 @@ plugins:
 
 
 @pytest.mark.parametrize(("first", "second"), [("x", "x"), ("/x", "x"), ("a/b", "/a/b")])
-def test_a_topic_of_two_types_is_refused_and_the_other_plugin_named(files, first, second):
+def test_a_topic_with_two_types_is_refused_naming_both_plugins(files, first, second):
     with pytest.raises(FlatlandError) as caught:
         files.spawn(TWO.format(first, second))
 

@@ -205,7 +205,7 @@ def test_problems_of_all_plugins_are_reported_together(good_files):
     ]
 
 
-def test_an_error_has_the_file_line_and_column_of_the_wrong_value(good_files):
+def test_an_error_has_file_line_and_column_of_the_value(good_files):
     good_files.edit("robot.model.yaml", "radius: 0.5", "radius: none")
 
     with pytest.raises(YamlError) as caught:
@@ -234,7 +234,7 @@ LONG_TEXTS = {
 
 
 @pytest.mark.parametrize(("file", "old", "new"), LONG_TEXTS.values(), ids=LONG_TEXTS.keys())
-def test_what_was_found_is_quoted_in_part(good_files, file, old, new):
+def test_a_long_value_is_quoted_in_part(good_files, file, old, new):
     good_files.edit(file, old, new)
 
     assert max(map(len, good_files.refusal().splitlines())) < 400

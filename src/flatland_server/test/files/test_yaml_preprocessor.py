@@ -83,7 +83,7 @@ def test_the_documented_include_relative_and_absolute(files, read):
     assert result == {"foo": 123, "bar": {"a": 1, "b": 2}, "baz": {"a": 1, "b": 2}}
 
 
-def test_the_documented_include_of_several_documents_into_a_sequence(files, read):
+def test_the_documented_include_of_several_documents_in_a_list(files, read):
     files.write("child.yaml", "one\n---\na: foo\nb: baz\n---\nthree\n")
 
     result = read("foo:\n  - first\n  - $[include] child.yaml\n  - last\n")
@@ -97,7 +97,7 @@ def test_a_separator_after_the_last_document_begins_no_other_one(files, read):
     assert read("foo:\n  - $[include] child.yaml\n---\n# the end\n") == {"foo": ["one", "two"]}
 
 
-def test_an_include_is_relative_to_the_file_that_it_is_written_in(files, read):
+def test_an_include_is_relative_to_its_own_file(files, read):
     files.write("parts/wheel.yaml", "radius: $include sizes/radius.yaml\n")
     files.write("parts/sizes/radius.yaml", "0.25\n")
 
@@ -122,7 +122,7 @@ def test_a_file_may_be_included_twice(files, read):
     assert read("[$include child.yaml, $include child.yaml]\n") == [1, 1]
 
 
-def test_an_included_file_may_have_expressions_and_includes_of_several(files, read):
+def test_included_files_may_have_expressions_and_includes(files, read):
     files.write("child.yaml", "- $[include] numbers.yaml\n")
     files.write("numbers.yaml", "$eval 1 + 1\n---\n$eval 2 + 1\n")
 
@@ -194,7 +194,7 @@ def test_an_expression_may_begin_with_a_bracket(read):
         ("local a = 2; return a * a", 4),
     ],
 )
-def test_a_result_has_its_own_type(read, expression, value):
+def test_an_expression_keeps_the_type_of_its_result(read, expression, value):
     result = read(f"foo: |\n  $eval {expression}\n")["foo"]
 
     assert result == value

@@ -59,7 +59,7 @@ def test_each_command_pastes_into_an_interactive_shell():
     assert result.stderr == ""
 
 
-def test_what_is_not_run_says_why():
+def test_a_block_that_is_not_run_says_why():
     blocks = [block for page in PAGES for block in blocks_of(page)]
     reasons = [block.note("not run:") for block in blocks]
 
@@ -93,7 +93,7 @@ def test_what_is_not_run_says_why():
         "excerpt",
     ],
 )
-def test_a_block_that_does_otherwise_is_an_error(text, message, tmp_path):
+def test_a_block_with_another_result_is_an_error(text, message, tmp_path):
     page = tmp_path / "page.md"
     page.write_text(text)
     folder = tmp_path / "folder"

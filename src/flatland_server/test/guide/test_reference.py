@@ -101,7 +101,7 @@ def test_each_public_name_is_on_a_page_of_the_python_api(package, documented):
     assert missing <= {"messages"}  # its page shows only the functions that plugins use
 
 
-def test_each_name_that_docs_tell_to_import_is_on_a_page_of_the_python_api(documented):
+def test_each_name_that_docs_import_is_in_the_python_api_pages(documented):
     told = set()
     for file in [*DOCS.rglob("*.md"), ROOT / "README.md", *(ROOT / "examples").rglob("*.py")]:
         text = file.read_text(encoding="utf-8")

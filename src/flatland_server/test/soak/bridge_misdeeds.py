@@ -74,7 +74,7 @@ class Misdeeds:
 
     Args:
         bridge: the bridge.
-        rng: of all choices.
+        rng: generator of all random choices.
         findings: what was found.
         what: names the seed.
         share: of the usual number of messages, and of the usual time.

@@ -137,7 +137,7 @@ class Bridge:
     """A bridge that runs.
 
     Args:
-        command: of the process.
+        command: command line of the process.
         log: the file of its output.
         planted: a folder with modules that no client may import.
         server: the ROS server beside it, if any.

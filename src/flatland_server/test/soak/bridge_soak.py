@@ -35,8 +35,8 @@ class BridgeSoak:
 
     Args:
         kind: one of `STARTS`.
-        folder: of logs and files.
-        share: of the usual length of misdeeds.
+        folder: folder for logs and files.
+        share: length of misdeeds, relative to the usual one.
 
     Attributes:
         kind: one of `STARTS`.
@@ -181,7 +181,7 @@ def soak_bridges(
 
 
 def _comes(holds: Callable[[], bool], limit: float) -> bool:
-    """Whether a condition holds within a time [s]."""
+    """True if a condition holds within a time [s]."""
     try:
         return wait_until(holds, "", limit)
     except AssertionError:

@@ -48,7 +48,7 @@ class Findings:
         """Runs rounds for a time [s], one at least. Returns figures as a dict for JSON.
 
         Args:
-            seconds: the time.
+            seconds: time after which no round begins [s].
             seed: the first round's seed.
             run_round: runs a round of a seed.
             report: prints a line.

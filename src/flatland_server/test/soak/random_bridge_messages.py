@@ -75,7 +75,7 @@ class RandomMessages:
     """Makes messages of clients.
 
     Args:
-        rng: of all choices.
+        rng: generator of all random choices.
         topics: types of the topics to publish on, by name.
         services: classes of requests, by the services' names.
     """

@@ -196,9 +196,9 @@ class Client:
         self._check(answer, False, f"spawn with {key} {str(request[key])[:80]!r}")
 
     def _seek_wrongly(self) -> None:
-        moment = self._rng.choice(NUMBERS)
-        answer = self._server.call("/seek", Seek, time=moment)
-        self._check(answer, False, f"seek {moment}")
+        time = self._rng.choice(NUMBERS)
+        answer = self._server.call("/seek", Seek, time=time)
+        self._check(answer, False, f"seek {time}")
 
     def _delete_unknown(self) -> None:
         name = self._rng.choice(["unknown", *WRONG_NAMES])

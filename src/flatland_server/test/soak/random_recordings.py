@@ -1,4 +1,4 @@
-"""Recordings whose process gets a signal, or whose disk is full: what they have can be read."""
+"""Recordings that a signal or a full disk ends: they can be read up to there."""
 
 import random
 import signal

@@ -33,11 +33,11 @@ def save_at_random(server: Server, folder: Path, seed: int, count: int, findings
     """Opens a copy of the test room, makes calls at random, and compares the file with the world.
 
     Args:
-        server: has the test room open, without other models, and so it has at the end.
-        folder: is made.
+        server: server with the test room, without other models, at the beginning and at the end.
+        folder: folder for the files, which is created.
         seed: the calls' seed.
         count: number of calls.
-        findings: of what is wrong.
+        findings: gets the counts and violations.
     """
     shutil.copytree(WORLD.parent, folder / "room")
     shutil.copytree(WORLDS / "office", folder / "office")

@@ -1,4 +1,4 @@
-"""Sweeps whose processes are killed at random, whose controllers misbehave, whose files are spoilt.
+"""Sweeps with processes killed at random, misbehaving controllers and spoilt files.
 
 Whatever happens, the tables of a sweep are those of a sweep that nothing has disturbed, to the
 byte, and no process is left behind.
@@ -132,9 +132,9 @@ def disturb_sweeps(folder: Path, seed: int, kills: int, findings: Findings) -> N
     """Runs a sweep undisturbed, and again with kills, a damaged journal and bad controllers.
 
     Args:
-        folder: for files; it is made.
-        seed: of the scenarios and disturbances.
-        kills: how many times processes are killed.
+        folder: folder for the files, which is created.
+        seed: seed of the scenarios and of the disturbances.
+        kills: number of times that processes are killed.
         findings: to which counts and violations are added.
     """
     rng = random.Random(f"sweeps {seed}")
@@ -193,7 +193,7 @@ def _damage_journals(journal: Path, rng: random.Random, what: str, findings: Fin
 
 
 def _compare_rows(found: Rows, good: Rows, what: str, findings: Findings) -> None:
-    """Bad controllers either fail or drive as the good one does, whose rows are as before."""
+    """Bad controllers fail or drive as the good one does; the rows of that are as before."""
     for (controller, seed), row in found.items():
         if row["status"] == "done":
             same = {**good["towards", seed], "controller": controller, "scenario": row["scenario"]}

@@ -31,8 +31,8 @@ class Soak:
     """Runs rounds of disturbances; each has a seed, from `seed` on.
 
     Args:
-        folder: of logs and files.
-        clients: the number of them that call services at once.
+        folder: folder for logs and files.
+        clients: number of clients that call services at once.
         seed: the first round's seed.
     """
 

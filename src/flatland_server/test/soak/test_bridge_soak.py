@@ -1,4 +1,4 @@
-"""Bridges whose clients misbehave: a short soak."""
+"""Bridges with clients that misbehave: a short soak."""
 
 import pytest
 from soak.bridge_misdeeds import MISDEEDS
@@ -32,14 +32,14 @@ def soak_of(tmp_path_factory):
 
 
 @pytest.mark.parametrize("misdeed", MISDEEDS)
-def test_honest_clients_do_not_notice(soak_of, findings, misdeed):
+def test_misbehaving_clients_of_the_server_disturb_no_others(soak_of, findings, misdeed):
     soak_of("serve").run_round(SEED, [misdeed], findings)
 
     assert findings.violations == []
 
 
 @pytest.mark.parametrize("misdeed", ["random_messages_of_rosbridge", "subscription_storm"])
-def test_nor_do_those_of_the_node_beside_a_server(soak_of, findings, misdeed):
+def test_misbehaving_clients_of_the_ros_node_disturb_no_others(soak_of, findings, misdeed):
     soak_of("bridge").run_round(SEED, [misdeed], findings)
 
     assert findings.violations == []

@@ -33,7 +33,7 @@ def test_a_spoilt_file_is_read_or_refused_at_its_place(tmp_path, findings):
 
 
 @pytest.mark.slow
-def test_random_messages_leave_all_plugins_alive_and_all_poses_finite(tmp_path, findings):
+def test_random_messages_keep_plugins_alive_and_poses_finite(tmp_path, findings):
     send_random_messages(tmp_path, SEED, STEPS, findings)
 
     assert findings.violations == []
@@ -57,7 +57,7 @@ def test_recordings_under_signals_and_on_full_disks_can_be_read(tmp_path, findin
     assert findings.counts["recorded steps"] > 1000
 
 
-def test_what_a_failed_spawn_leaves_behind_is_found(tmp_path, findings, monkeypatch):
+def test_leftovers_of_a_failed_spawn_are_found(tmp_path, findings, monkeypatch):
     files = RandomFiles(tmp_path, SEED, findings)
     monkeypatch.setattr(files.world, "spawn_model", lambda *_: files.world.delete_model("usher"))
 
@@ -66,7 +66,7 @@ def test_what_a_failed_spawn_leaves_behind_is_found(tmp_path, findings, monkeypa
     assert any("has left behind: ['models'" in violation for violation in findings.violations)
 
 
-def test_a_plugin_that_messages_end_is_found(tmp_path, findings, monkeypatch):
+def test_a_plugin_that_fails_by_a_random_message_is_found(tmp_path, findings, monkeypatch):
     def fail(*_):
         raise TypeError("no such message")
 

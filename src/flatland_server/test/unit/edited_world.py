@@ -1,4 +1,4 @@
-"""A world whose models clients move, spawn and delete."""
+"""A world with models that clients move, spawn and delete."""
 
 from types import SimpleNamespace
 

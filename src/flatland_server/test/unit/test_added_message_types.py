@@ -22,7 +22,7 @@ time since
 """
 
 
-def test_a_type_of_ones_own_is_that_which_ros_would_generate():
+def test_an_added_type_equals_the_one_generated_by_ros():
     from genpy.dynamic import generate_dynamic
 
     types = MessageTypes(use_ros=False)
@@ -38,7 +38,7 @@ def test_a_type_of_ones_own_is_that_which_ros_would_generate():
     assert serialized(ros().deserialize(serialized(message))) == serialized(message)
 
 
-def test_with_ros_an_added_type_is_one_that_rospy_publishes():
+def test_rospy_can_publish_an_added_type():
     cls = messages.add("my_plugins/Mass", "std_msgs/Header header\nfloat64 mass")
     message = cls(mass=3.0)
 
@@ -80,7 +80,7 @@ def test_a_wrong_definition_changes_nothing(name, definition, message):
             types.get(name)
 
 
-def test_a_type_of_ones_own_uses_those_of_ros():
+def test_an_added_type_may_contain_types_of_ros():
     types = MessageTypes()
 
     route = types.add("my_plugins/Route", "nav_msgs/Path path")

@@ -81,7 +81,7 @@ def deserialize(request, unpatched_rospy):
 
 
 @pytest.mark.parametrize("number", range(3))
-def test_a_length_that_is_a_lie_is_refused_before_anything_is_made(types, deserialize, number):
+def test_a_false_length_is_refused_before_memory_is_allocated(types, deserialize, number):
     message_type, data = lies(types)[number]
     tracemalloc.start()
     try:
@@ -92,7 +92,7 @@ def test_a_length_that_is_a_lie_is_refused_before_anything_is_made(types, deseri
         tracemalloc.stop()
 
 
-def test_what_is_true_is_read_as_ever(types, deserialize):
+def test_messages_with_true_lengths_are_read_unchanged(types, deserialize):
     uuids = [types.Uuid(bytes([number] * 16)) for number in range(2)]
     lists = types.Lists(uuids=uuids, none=[Empty(), Empty()])
     nested = types.Nested("ä", [lists, types.Lists()])
@@ -111,7 +111,7 @@ def test_other_types_are_read_by_their_own_code(types, deserialize, monkeypatch)
     assert raw._buff == path
 
 
-def test_the_fields_of_a_raw_message_are_read_with_the_same_checks(types):
+def test_false_lengths_in_raw_messages_are_refused_too(types):
     raw = RawMessage()
     raw._connection_header = {"type": "liars/Lists"}
     raw._buff = lies(types)[1][1]

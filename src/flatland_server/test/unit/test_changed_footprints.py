@@ -104,7 +104,7 @@ def test_a_run_goes_on_from_a_saved_state_bit_for_bit(load):
         ({"layers": ["c"]}, '.layers: no layer is named "c"; there are: a, b'),
     ],
 )
-def test_what_a_file_may_not_have_is_refused_as_there(load, wrong, message):
+def test_set_footprint_refuses_what_a_file_may_not_have(load, wrong, message):
     model = load().world.models["robot"]
     before = model.config
 

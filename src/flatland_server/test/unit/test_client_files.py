@@ -41,7 +41,7 @@ def kept(tmp_path):
         ("../worlds/box.yaml", "worlds/box.yaml"),
     ],
 )
-def test_a_relative_model_begins_in_the_worlds_folder_as_in_the_original(
+def test_a_relative_model_path_begins_in_the_worlds_folder(
     world, tmp_path, monkeypatch, name, found
 ):
     (tmp_path / "box.yaml").write_text(BOX)
@@ -155,7 +155,7 @@ def test_without_a_folder_of_states_a_path_is_absolute(world, tmp_path):
         files.state("state")
 
 
-def test_the_folder_of_states_is_for_relative_names_and_is_not_left(world, kept, tmp_path):
+def test_state_paths_are_confined_to_the_state_folder(world, kept, tmp_path):
     files = ClientFiles(world, kept)
     (kept / "link").symlink_to(tmp_path)
 

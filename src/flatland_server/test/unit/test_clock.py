@@ -101,7 +101,7 @@ def test_ticks_are_sent_together_each_as_a_message_of_its_own(sent, make_clock):
     assert ticks(sent) == [STEP * (i + 1) for i in range(49)]
 
 
-def test_no_more_ticks_are_sent_together_than_fit_into_a_queue_of_100(sent, make_clock):
+def test_no_more_than_a_queue_of_100_ticks_is_sent_at_once(sent, make_clock):
     timekeeper = Timekeeper(STEP * 1e-9)
     clock = make_clock(timekeeper)
 

@@ -131,7 +131,7 @@ def test_other_types_are_refused(hinge, name, value):
 
 
 @pytest.mark.parametrize("name", ["limits", "motor", "motor_torque"])
-def test_a_weld_has_neither(hinge, name):
+def test_a_weld_has_no_limits_and_no_motor(hinge, name):
     weld = hinge.post.add_weld(hinge.wheel, (0, 0), (0, 0))
 
     with pytest.raises(ValueError, match="a weld has no limits and no motor"):
@@ -157,7 +157,7 @@ def arm_before_a_wall() -> Tuple[_core.World, _core.Joint, _core.Body, List[Any]
 @pytest.mark.parametrize(
     "event", [_core.BEGIN_CONTACT, _core.PRE_SOLVE, _core.POST_SOLVE, _core.END_CONTACT]
 )
-def test_what_a_contact_listener_sets_counts_from_the_end_of_the_step_on(event):
+def test_settings_in_a_contact_listener_act_after_the_step(event):
     world, joint, arm, seen = arm_before_a_wall()
 
     def listen(now: int, *_: Any) -> None:
@@ -185,7 +185,7 @@ def test_what_a_contact_listener_sets_counts_from_the_end_of_the_step_on(event):
     assert joint.angle == pytest.approx(-0.3, abs=0.04)
 
 
-def test_a_listener_may_set_joints_when_a_removed_body_ends_a_contact():
+def test_a_listener_may_set_joints_while_a_body_is_removed():
     """The removed body's own are gone by then."""
     world, joint, arm, seen = arm_before_a_wall()
     box = world.add_body("dynamic", (0.6, -0.14, 0.0))

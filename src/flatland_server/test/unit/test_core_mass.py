@@ -28,7 +28,7 @@ def masses(body) -> list:
     return [body.mass, body.inertia, *body.local_center]
 
 
-def test_a_force_moves_the_mass_and_turns_the_inertia_about_the_centre(world, body):
+def test_forces_act_on_the_mass_and_inertia_that_were_set(world, body):
     body.set_mass(4.0, inertia=0.7, local_center=(0.2, -0.1))
 
     assert masses(body) == pytest.approx([4.0, 0.7, 0.2, -0.1], rel=1e-6)
@@ -40,7 +40,7 @@ def test_a_force_moves_the_mass_and_turns_the_inertia_about_the_centre(world, bo
     assert (vx, vy) == pytest.approx((0.0, DT * 8.0 / 4.0), rel=1e-4, abs=1e-6)
 
 
-def test_what_is_not_given_stays_and_the_inertia_grows_with_the_mass(body):
+def test_set_mass_keeps_the_centre_and_scales_the_inertia(body):
     body.set_mass(3.0)
     assert masses(body) == pytest.approx([3.0, 1.5, 0.5, 0.0], rel=1e-6)
     body.set_mass(1.0, local_center=(0.0, 0.25))

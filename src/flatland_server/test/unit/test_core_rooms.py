@@ -16,7 +16,7 @@ def allowed(room):
 
 
 @pytest.mark.parametrize("room", ROOMS)
-def test_a_room_includes_headers_of_the_rooms_that_its_readme_names(room):
+def test_a_room_includes_only_rooms_named_in_its_readme(room):
     for path in sorted((CORE / room).glob("*.[ch]pp")):
         included = set(re.findall(r'#include "(\w+)/', path.read_text()))
         assert included <= allowed(room), path.name

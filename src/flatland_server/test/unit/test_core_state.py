@@ -97,7 +97,7 @@ class Parts:
 
 
 @pytest.mark.parametrize("steps", [0, 1, 100, 250, 700])
-def test_a_restored_world_goes_on_bit_for_bit_like_the_one_that_was_saved(steps):
+def test_a_restored_world_continues_bit_for_bit(steps):
     first = Parts().run(1, steps)
     first.stir(2)  # forces that are still to act
     before = first.motion
@@ -120,7 +120,7 @@ def test_saving_changes_nothing():
         assert saved.run(seed).motion == untouched.run(seed).motion
 
 
-def test_a_body_falls_asleep_at_the_same_time_whether_saved_or_not():
+def test_saving_does_not_change_when_a_body_falls_asleep():
     def sleeps_after(saves: bool) -> int:
         world = _core.World()
         body = world.add_body("dynamic", (0.0, 0.0, 0.0))
@@ -136,7 +136,7 @@ def test_a_body_falls_asleep_at_the_same_time_whether_saved_or_not():
     assert sleeps_after(saves=True) == sleeps_after(saves=False) < 100
 
 
-def test_handles_stay_valid_and_contacts_that_are_kept_stay_equal():
+def test_restoring_keeps_handles_valid_and_contacts_equal():
     parts = Parts()
     kept = set()
     parts.world.set_contact_listener(lambda event, a, b, contact, *_: kept.add(contact))

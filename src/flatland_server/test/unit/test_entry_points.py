@@ -66,7 +66,7 @@ def module_of(type: str) -> str:
 
 
 @pytest.mark.parametrize("type", ["Pusher", "loader_mine::Pusher", "my_namespace::Pusher"])
-def test_a_plugin_is_found_with_the_namespace_that_its_entry_point_names(packages, type):
+def test_a_plugin_is_found_by_its_entry_points_namespace(packages, type):
     packages.add("loader_mine", "my_namespace::Pusher = loader_mine.push:Pusher")
 
     assert module_of(type) == "loader_mine.push"
@@ -88,7 +88,7 @@ def test_a_package_that_is_installed_later_is_found(packages):
     assert module_of("Pusher") == "loader_mine.push"
 
 
-def test_it_is_imported_only_when_a_world_needs_it(packages):
+def test_a_plugin_is_imported_only_when_a_world_needs_it(packages):
     packages.add("loader_mine", "A = loader_mine.a:A", "B = loader_mine.b:B")
 
     PluginLoader().load("A", ModelPlugin)

@@ -15,7 +15,7 @@ def drive():
     return _core.World().add_body("dynamic", (0, 0, 0)).add_drive(LIMITS, LIMITS)
 
 
-def test_they_take_numbers_of_all_kinds(drive):
+def test_fast_methods_take_numbers_of_all_types(drive):
     drive.command(1, np.float32(0.5), np.int64(2))
 
     assert drive.target == (1.0, 0.5, 2.0)
@@ -49,12 +49,12 @@ def test_a_count_is_an_int_of_1_or_more(count, error):
         _core.World().step_until_contact(0.1, count)
 
 
-def test_an_object_that_was_not_made_is_refused(drive):
+def test_an_object_without_init_is_refused(drive):
     with pytest.raises(TypeError, match="__init__ was not called"):
         _core.World.__new__(_core.World).step(0.1)
     with pytest.raises(TypeError, match="doesn't apply to a 'int' object"):
         type(drive).command(3, 1.0, 2.0, 3.0)
 
 
-def test_their_parameters_are_known(drive):
+def test_fast_methods_have_a_signature(drive):
     assert list(inspect.signature(drive.command).parameters) == ["vx", "vy", "omega"]

@@ -45,7 +45,7 @@ def discs(count):
     return [(*np.random.default_rng(count).uniform(0, 50, 2).tolist(), 6.0) for _ in range(count)]
 
 
-def test_clear_poses_are_those_of_many_draws_that_overlap_nothing():
+def test_clear_poses_equal_repeated_draws_without_overlaps():
     squares, ours, draws = floor(5000)[0], np.random.default_rng(1), np.random.default_rng(1)
     found = set()
     for tries in (1, 2, 3, 50):
@@ -83,7 +83,7 @@ def ends_in_python(squares, rng, start, goal, distances, radius, at_starts, at_g
 
 @pytest.mark.parametrize("start", [None, (20.0, 20.0)])
 @pytest.mark.parametrize("goal", [None, (25.0, 31.0)])
-def test_ends_are_those_of_many_draws_that_fit(start, goal):
+def test_start_and_goal_equal_repeated_draws_that_fit(start, goal):
     squares, ours, draws = floor(300_000)[0], np.random.default_rng(1), np.random.default_rng(1)
     found = 0
     for tries in (1, 3, 500):
@@ -117,7 +117,7 @@ def test_distances_from_walls_are_those_of_numpy():
     assert (ours < 9.0).mean() > 0.3
 
 
-def test_what_is_reachable_goes_round_corners_and_not_through_walls():
+def test_connected_cells_go_around_corners_not_through_walls():
     rows = ["..#....", ".##.##.", "....#..", "#####.#", ".......", "######."]
     free = np.array([[pixel == "." for pixel in row] for row in rows])
 

@@ -93,7 +93,7 @@ def test_footprints_are_checked_without_a_physical_world(tmp_path, monkeypatch):
         pytest.param(SQUARE, "1e39", id="a density beyond single precision"),
     ],
 )
-def test_a_shape_that_box2d_cannot_represent_is_refused_at_its_line(files, points, density):
+def test_a_shape_impossible_in_box2d_is_refused_at_its_line(files, points, density):
     message = refusal(files, f"{{type: polygon, points: {points}, density: {density}}}")
 
     assert message.startswith("model.yaml:4: bodies[0].footprints[0]")

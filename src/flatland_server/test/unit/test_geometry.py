@@ -32,7 +32,7 @@ def test_the_inverse_undoes_a_pose(pose):
 
 
 @given(ANGLES)
-def test_a_wrapped_angle_is_the_same_direction_within_half_a_turn(angle):
+def test_a_wrapped_angle_is_the_same_direction_within_pi(angle):
     wrapped = wrap_angle(angle)
 
     assert -math.pi <= wrapped <= math.pi

@@ -69,7 +69,7 @@ def updates(handles):
     return take
 
 
-def test_a_handle_follows_a_changed_footprint_but_not_while_it_is_dragged(handles):
+def test_a_handle_follows_its_footprint_except_during_a_drag(handles):
     def radius():
         handles.update()
         return handles.all["a"].scale / 2.5
@@ -113,7 +113,7 @@ def test_a_drag_is_one_edit(handles):
     assert handles.server.edits.next_texts[0] == ""
 
 
-def test_changes_are_numbered_and_all_markers_are_as_of_the_last_one(handles, updates):
+def test_the_full_update_has_the_number_of_the_last_change(handles, updates):
     handles.server.move("a", 1.0, 0.0)
     handles.server.delete("b")
     [first] = updates()

@@ -22,7 +22,7 @@ def refusal(files, *words):
 
 
 @pytest.mark.parametrize("started", [("flatland_server", "server.launch"), (str(SERVER),)])
-def test_an_unknown_argument_is_named_with_the_nearest_and_all_known_ones(started):
+def test_an_unknown_argument_is_named_with_suggestions(started):
     assert refusal([SERVER], *started, "world_path:=/a.yaml", "udpate_rate:=inf") == (
         'server.launch has no argument "udpate_rate" (did you mean "update_rate"?); it has: '
         "world_path, update_rate, step_size, control_period, train_mode, show_viz, viz_pub_rate, "
@@ -44,7 +44,7 @@ def test_the_documented_arguments_have_their_documented_defaults():
 
 
 @pytest.mark.parametrize("package", ["flatland_benchmark", "flatland_server"])
-def test_a_launch_file_that_hands_arguments_on_has_those_of_the_other(package):
+def test_passed_through_arguments_of_a_launch_file_are_known(package):
     files = [BENCHMARK, SERVERS_BENCHMARK]
     started = (package, "benchmark.launch")
 
@@ -64,7 +64,7 @@ def test_a_launch_file_that_hands_arguments_on_has_those_of_the_other(package):
         ("robots:=3",),
     ],
 )
-def test_known_arguments_and_those_of_other_launch_files_are_accepted(words):
+def test_known_arguments_and_other_launch_files_are_accepted(words):
     check_launch_arguments([SERVER], [*ROSLAUNCH, *words])
 
 

@@ -54,7 +54,7 @@ def test_each_name_of_a_layer_is_a_collision_layer(maps):
         assert ranges.tolist() == pytest.approx([seen])
 
 
-def test_walls_of_images_and_grids_enclose_areas_and_lines_do_not(maps):
+def test_images_and_grids_enclose_areas_but_lines_do_not(maps):
     grid = "{grid: [[0, 1]], resolution: 1}"
     loaded = maps.load(
         world("{name: a, map: map.yaml}", "{name: b, map: wall.yaml}", f"{{name: c, map: {grid}}}")
@@ -63,7 +63,7 @@ def test_walls_of_images_and_grids_enclose_areas_and_lines_do_not(maps):
     assert [layer.config.encloses for layer in loaded.layers] == [True, False, True]
 
 
-def test_a_layer_without_a_map_has_no_walls_but_footprints_may_name_it(files):
+def test_footprints_may_name_a_layer_without_a_map(files):
     files.write(
         "two.model.yaml",
         """

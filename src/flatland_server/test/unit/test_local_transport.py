@@ -42,7 +42,7 @@ def test_a_subscription_makes_publishers_look_again(transport):
     assert before != between != transport.subscriber_revision
 
 
-def test_the_last_latched_message_is_delivered_to_a_later_subscriber(transport):
+def test_a_later_subscriber_gets_the_last_latched_message(transport):
     received = []
     advertise(transport, "map", latch=True).publish("walls")
     advertise(transport, "scan").publish("ranges")
@@ -61,7 +61,7 @@ def test_plugins_that_answer_each_other_do_not_hold_up_the_step(transport):
     assert transport.last("echo") == 2
 
 
-def test_what_is_published_to_be_read_is_not_delivered(transport):
+def test_without_delivery_messages_are_kept_but_not_delivered(transport):
     received = []
     publisher = advertise(transport, "door")
     transport.subscribe("door", str, received.append)
@@ -71,7 +71,7 @@ def test_what_is_published_to_be_read_is_not_delivered(transport):
     assert (received, transport.last("door")) == ([], "open")
 
 
-def test_what_was_published_before_a_reset_is_discarded(transport):
+def test_messages_from_before_a_reset_are_discarded(transport):
     received = []
     publisher = advertise(transport, "door")
     transport.subscribe("door", str, received.append)

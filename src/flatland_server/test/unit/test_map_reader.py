@@ -94,7 +94,7 @@ def test_the_yaml_file_is_read_without_the_image_that_it_names(maps):
 @pytest.mark.parametrize(
     ("kind", "is_told"), [("indoor", False), ("private", False), ("line_segment", True)]
 )
-def test_a_type_of_another_name_is_an_image(maps, caplog, kind, is_told):
+def test_an_unknown_map_type_is_read_as_an_image(maps, caplog, kind, is_told):
     caplog.set_level("INFO")
     path = maps.write("map.yaml", image_map(more=f"type: {kind}\n"))
 

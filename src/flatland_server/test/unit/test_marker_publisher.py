@@ -72,7 +72,7 @@ def test_markers_are_latched_as_long_as_there_are_subscribers(shown):
     assert transport.last(TOPIC) is None
 
 
-def test_a_new_model_of_a_name_does_not_begin_with_the_end_of_the_former(shown):
+def test_a_respawned_name_does_not_get_old_deletion_markers(shown):
     publisher, world, transport = shown
     transport.set_subscribed_topics({TOPIC})
     publisher.update()

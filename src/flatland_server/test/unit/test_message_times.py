@@ -23,7 +23,7 @@ def test_times_are_those_of_ros(kind):
         ours(1.5, 1)
 
 
-def test_times_are_calculated_with_as_in_ros():
+def test_time_arithmetic_equals_that_of_ros():
     for kit in (times, genpy):
         time, duration = kit.Time, kit.Duration
         assert time(5, 1) - time(3, 2) == duration(1, 999_999_999)

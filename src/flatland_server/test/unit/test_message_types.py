@@ -103,7 +103,7 @@ def test_a_type_is_that_of_ros(name):
         ("AckermannDriveStamped", "1fd5d7f58889cefd44d29f6653240d0c"),
     ],
 )
-def test_types_that_debian_does_not_have_have_their_published_sums(name, md5):
+def test_types_missing_in_debian_have_the_published_md5sums(name, md5):
     """As genmsg computes them of the files of ackermann_msgs 1.0.2."""
     assert OURS.get(f"ackermann_msgs/{name}")._md5sum == md5
 

@@ -42,7 +42,7 @@ def assert_pose(actual, expected, tolerance: float = 1e-5) -> None:
     assert math.remainder(actual[2] - expected[2], math.tau) == pytest.approx(0.0, abs=tolerance)
 
 
-def test_the_pose_of_a_body_is_composed_of_the_models_and_its_own(files):
+def test_a_body_pose_is_relative_to_the_pose_of_its_model(files):
     robot = load(files, model(BASE, WHEEL)).models["robot"]
 
     # The model is at (10, 20), rotated by a quarter turn: (1, 2) in it is (-2, 1) in the world.
@@ -50,7 +50,7 @@ def test_the_pose_of_a_body_is_composed_of_the_models_and_its_own(files):
     assert_pose(robot.get_body("wheel").pose, (10 - 2, 20 + 1, math.pi / 2 + 0.5))
 
 
-def test_the_models_pose_is_that_of_its_origin_not_of_its_first_body(files):
+def test_the_pose_of_a_model_is_that_of_its_origin(files):
     robot = load(files, model(WHEEL, BASE)).models["robot"]
 
     assert_pose(robot.pose, (10, 20, math.pi / 2))
@@ -98,9 +98,7 @@ def test_a_model_that_cannot_be_moved_stays_where_it_was(files):
         ("/robot1/", "base", "robot1_base"),
     ],
 )
-def test_a_frame_gets_the_models_namespace_unless_it_begins_with_a_slash(
-    files, namespace, frame, expected
-):
+def test_a_frame_without_a_leading_slash_gets_the_namespace(files, namespace, frame, expected):
     files.write("robot.model.yaml", model(BASE))
     world = files.load("properties: {}\nlayers: []")
 

@@ -100,7 +100,7 @@ def test_the_list_is_published_when_models_come_change_and_go(published):
     assert publishers.sent[LIST][2].models == []
 
 
-def test_states_have_what_has_moved(published):
+def test_model_states_contain_only_models_that_moved(published):
     publishers, simulation, publisher = published
     states = publishers.sent[STATES]
     publisher.update()

@@ -75,7 +75,7 @@ def receive_numbers(end: socket.socket, last: bytes) -> List[int]:
     return numbers
 
 
-def test_the_publishing_thread_itself_sends_to_a_subscriber_that_keeps_up(subscriber):
+def test_the_publishing_thread_sends_to_a_reading_subscriber(subscriber):
     theirs, _, connection = subscriber
 
     for i in range(100):
@@ -85,7 +85,7 @@ def test_the_publishing_thread_itself_sends_to_a_subscriber_that_keeps_up(subscr
     assert connection.stat_num_msg == 100
 
 
-def test_a_subscriber_that_does_not_read_loses_whole_messages_and_blocks_nothing(subscriber):
+def test_a_stalled_subscriber_loses_whole_messages(subscriber):
     theirs, _, connection = subscriber
     messages = [bytes([i]) * 9000 for i in range(200)]
 
@@ -153,7 +153,7 @@ def waiting(end: socket.socket) -> bytes:
         return b""
 
 
-def test_messages_that_are_held_back_are_sent_in_one_call_in_their_order(outbox):
+def test_held_back_messages_are_sent_in_order_in_one_call(outbox):
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)  # a packet is a call
     transport = Transport(ours)
     connection = NonblockingConnection(transport, 3)
@@ -208,7 +208,7 @@ def test_messages_are_due_if_a_connection_has_many(subscriber, outbox):
     assert not outbox.is_due()
 
 
-def test_of_messages_sent_together_a_full_queue_loses_whole_ones(subscriber, outbox):
+def test_a_full_queue_loses_whole_messages(subscriber, outbox):
     theirs, _, connection = subscriber
     messages = [bytes([i]) * 9000 for i in range(100)]
 
@@ -222,7 +222,7 @@ def test_of_messages_sent_together_a_full_queue_loses_whole_ones(subscriber, out
     assert len(numbers) < 30
 
 
-def test_a_connection_found_closed_is_reported_by_the_next_message(subscriber, outbox):
+def test_the_next_message_reports_a_closed_connection(subscriber, outbox):
     theirs, transport, connection = subscriber
     theirs.close()
     connection.write_data(b"hello")
@@ -246,9 +246,7 @@ class Topic:
         self.connections = [each for each in self.connections if each is not connection]
 
 
-def test_messages_of_steps_go_to_the_subscribers_until_their_connection_fails(
-    subscriber, outbox, monkeypatch
-):
+def test_step_messages_reach_subscribers_until_they_disconnect(subscriber, outbox, monkeypatch):
     theirs, transport, connection = subscriber
     publisher = SimpleNamespace(impl=Topic([connection]))
     topics = SimpleNamespace(pubs={"/odom": publisher.impl})
@@ -269,7 +267,7 @@ def test_messages_of_steps_go_to_the_subscribers_until_their_connection_fails(
     assert transport.done
 
 
-def test_a_topic_with_connections_of_another_kind_is_left_to_python(outbox):
+def test_topics_with_unknown_connections_are_left_to_python(outbox):
     assert outbox.step_message(SimpleNamespace(impl=Topic([Broken()])), None) is None
 
 
@@ -285,7 +283,7 @@ class Broken:
         self.is_closed = True
 
 
-def test_a_connection_that_fails_is_dropped_and_the_others_are_not(subscriber):
+def test_only_the_failing_connection_is_dropped(subscriber):
     theirs, _, connection = subscriber
     broken = Broken()
     publisher = SimpleNamespace(impl=Topic([broken, connection]))

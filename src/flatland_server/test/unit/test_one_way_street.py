@@ -158,7 +158,7 @@ def test_packages_import_one_way(package, forbidden):
     assert forbidden_imports(sources(package), forbidden) == []
 
 
-def test_the_bridge_is_imported_by_flatland_serve_alone_when_it_runs():
+def test_only_a_running_flatland_serve_imports_the_bridge():
     packages = [path.name for path in SRC.glob("flatland*") if path.name != "flatland_bridge"]
     paths = [path for package in packages for path in sources(package)]
     found = forbidden_imports(paths, ("flatland_bridge", "websockets", "orjson", "cbor2", "rclpy"))
@@ -170,7 +170,7 @@ def test_the_bridge_is_imported_by_flatland_serve_alone_when_it_runs():
     run_without_ros("import flatland2d.cli\nassert 'flatland_bridge' not in sys.modules")
 
 
-def test_of_the_bridge_only_its_node_imports_rospy():
+def test_only_the_node_of_the_bridge_imports_rospy():
     found = forbidden_imports(sources("flatland_bridge"), ROSPY)
 
     assert {line.partition(":")[0].rpartition("/")[2] for line in found} == {

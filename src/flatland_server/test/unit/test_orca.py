@@ -23,7 +23,7 @@ def test_alone_the_preferred_velocity_up_to_the_largest_speed():
     assert choose((0, 0), (3.0, 4.0), most=1.0) == pytest.approx((0.6, 0.8))
 
 
-def test_of_two_who_walk_towards_each_other_each_makes_half_of_the_change():
+def test_two_people_head_on_each_make_half_of_the_change():
     # 4 m apart, radii of 0.5 m, 2 s: the cone is cut off by a circle about (2, 0) of radius 0.5.
     # The relative velocity (1.8, 0) leaves it at (1.5, 0).
     other = [4.0, 0.0, -0.9, 0.0, 1.0, 0.5]
@@ -31,7 +31,7 @@ def test_of_two_who_walk_towards_each_other_each_makes_half_of_the_change():
     assert choose((0.9, 0.0), (0.9, 0.0), [other]) == pytest.approx((0.75, 0.0), abs=1e-12)
 
 
-def test_who_overlaps_another_is_apart_after_a_step():
+def test_overlapping_people_are_apart_after_a_step():
     other = [0.9, 0.0, 0.0, 0.0, 1.0, 1.0]
 
     assert choose((0.0, 0.0), (0.0, 0.0), [other], dt=0.5) == pytest.approx((-0.2, 0.0))
@@ -47,7 +47,7 @@ def test_beyond_the_cut_off_the_leg_of_the_cone_counts():
     assert chosen == pytest.approx((along @ (10.0, 1.0)) * along, abs=1e-12)
 
 
-def test_a_wall_is_approached_so_slowly_that_it_takes_its_horizon():
+def test_a_wall_is_reached_no_sooner_than_its_time_horizon():
     wall = [0.6, -1.0, 0.0]  # on the right
     assert choose((1, 0), (1.5, 0.3), walls=[wall], wall_horizon=2.0) == pytest.approx((0.3, 0.3))
 

@@ -47,7 +47,7 @@ def test_a_second_publisher_is_named_once(check):
     assert len(check(both)) == 1  # once more for one that comes back
 
 
-def test_topics_of_others_and_those_without_a_publisher_here_are_theirs(check):
+def test_topics_that_only_others_publish_cause_no_warning(check):
     assert check({"/map": ["/map_server"], "/deleted": ["/ekf"], "/tf": ["/server", "/amcl"]}) == []
 
 

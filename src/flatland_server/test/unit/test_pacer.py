@@ -53,13 +53,13 @@ def loop() -> Loop:
     return Loop()
 
 
-def test_the_first_step_is_due_at_once_and_the_others_a_period_apart(loop):
+def test_the_first_step_is_due_at_once_then_one_each_period(loop):
     loop.run(4)
 
     assert loop.steps == pytest.approx([0.0, 0.01, 0.02, 0.03])
 
 
-def test_steps_and_ticks_that_take_time_do_not_delay_the_next_ones(loop):
+def test_durations_of_steps_and_ticks_do_not_accumulate(loop):
     loop.step_duration, loop.tick_duration = 0.003, 0.002
 
     loop.run(4)
@@ -78,7 +78,7 @@ def test_no_step_is_due_before_its_time(loop):
     assert loop.pacer.wait_time == pytest.approx(0.006)
 
 
-def test_a_long_period_is_waited_for_in_parts_with_a_tick_after_each(loop):
+def test_a_long_wait_is_divided_by_ticks(loop):
     loop.run(5, period=0.05)
 
     assert loop.waits == pytest.approx([0.0, MAX_WAIT, MAX_WAIT, 0.01, MAX_WAIT])

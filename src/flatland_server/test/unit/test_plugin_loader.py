@@ -62,7 +62,7 @@ def refusal(type: str, base: type = ModelPlugin) -> str:
 
 
 @pytest.mark.parametrize("type", ["DiffDrive", "flatland_plugins::DiffDrive"])
-def test_the_plugins_of_flatland_are_found_with_and_without_their_package(type):
+def test_built_in_plugins_are_found_with_or_without_package(type):
     from flatland_plugins.diff_drive import DiffDrive
 
     assert PluginLoader().load(type, ModelPlugin) is DiffDrive
@@ -114,7 +114,7 @@ def test_a_declaration_without_a_name_has_the_name_of_its_class(packages):
     assert PluginLoader().load("my_plugins::Pusher", ModelPlugin).__name__ == "Pusher"
 
 
-def test_a_name_may_be_written_with_its_package_as_pluginlib_does(packages):
+def test_a_name_may_have_its_package_as_in_pluginlib(packages):
     xml = '<library><class name="my_plugins/Pusher" type="loader_slash.Pusher"/></library>'
     packages.add("my_plugins", xml, loader_slash=MODULE.format(name="Pusher"))
 
@@ -132,7 +132,7 @@ def test_only_requested_plugins_are_imported(packages):
     assert PluginLoader().load("Good", ModelPlugin).__name__ == "Good"
 
 
-def test_the_error_for_an_unknown_type_suggests_the_nearest_and_lists_all(packages):
+def test_the_error_for_an_unknown_type_suggests_and_lists(packages):
     packages.add_plugin("a_plugins", "Laser", "loader_laser")
     packages.add_plugin("b_plugins", "DiffDrive", "loader_drive")
 
@@ -157,18 +157,18 @@ def test_a_known_name_in_an_unknown_package_is_unknown(packages):
         ("VehicleMovement", ", or use a Pedestrian in a model without legs"),
     ],
 )
-def test_a_known_cpp_plugin_that_is_not_on_the_path_is_said_to_be_one(packages, type, replacement):
+def test_the_error_for_a_known_cpp_plugin_says_how_to_port_it(packages, type, replacement):
     expected = f"in Python: docs/coming_from_cpp.md says how to port it{replacement}"
     assert refusal(type).endswith(expected)
 
 
-def test_without_any_plugin_the_error_asks_whether_the_workspace_is_sourced(packages):
+def test_without_any_plugin_the_error_asks_for_setup_bash(packages):
     assert refusal("Laser") == (
         'unknown plugin type "Laser"; there are: none; is the workspace\'s setup.bash sourced?'
     )
 
 
-def test_a_name_in_two_packages_is_ambiguous_until_the_package_is_given(packages):
+def test_a_name_in_two_packages_needs_its_package(packages):
     packages.add_plugin("a_plugins", "Laser", "loader_first")
     packages.add_plugin("b_plugins", "Laser", "loader_second")
 
@@ -190,9 +190,7 @@ def test_a_copy_of_the_example_package_hides_the_original(packages, copy):
 
 
 @pytest.mark.parametrize("name", ["flatland_example_plugins", "my_plugins"])
-def test_of_two_packages_of_one_name_the_first_on_the_path_counts(
-    packages, name, tmp_path, monkeypatch
-):
+def test_the_first_package_of_a_name_on_the_path_counts(packages, name, tmp_path, monkeypatch):
     packages.add_plugin(name, "Simple", "loader_underlay")
     overlay = Packages(tmp_path / "z_overlay")
     overlay.folder.mkdir()
@@ -212,7 +210,7 @@ def test_of_two_packages_of_one_name_the_first_on_the_path_counts(
         ("loader_syntax", "class", "invalid syntax"),
     ],
 )
-def test_a_plugin_that_cannot_be_imported_is_named_with_its_module(packages, module, text, reason):
+def test_a_failing_import_names_the_plugin_and_its_module(packages, module, text, reason):
     xml = f'<library><class name="Broken" type="{module}.Broken"/></library>'
     packages.add("my_plugins", xml, **{module: text})
 
@@ -251,9 +249,7 @@ def test_a_class_that_is_not_of_the_required_kind_is_refused(packages, module, t
         pytest.param('<library><class type="Laser"/></library>', "module.Class", id="no module"),
     ],
 )
-def test_a_faulty_declaration_of_another_package_is_logged_and_left_out(
-    packages, caplog, xml, word
-):
+def test_a_faulty_declaration_elsewhere_is_logged_and_skipped(packages, caplog, xml, word):
     packages.add("their_plugins", xml)
     packages.add_plugin("your_plugins", "Good", "loader_beside")
 
@@ -277,7 +273,7 @@ CPP_LIBRARY = """
 
 @pytest.mark.parametrize("namespace", ["their_plugins", "flatland_plugins"])
 @pytest.mark.parametrize("name", ["Pusher", "Named"])
-def test_the_error_for_a_cpp_plugin_says_so_and_where_to_read_on(packages, caplog, namespace, name):
+def test_the_error_for_a_cpp_plugin_names_the_guide_to_porting(packages, caplog, namespace, name):
     packages.add("their_plugins", CPP_LIBRARY.format(namespace=namespace))
 
     for type in (name, f"{namespace}::{name}", f"their_plugins::{name}"):
@@ -327,7 +323,7 @@ def test_a_missing_declaration_file_is_logged(packages, caplog):
         pytest.param("<package><!-- <flatland_server --></package>", id="no name"),
     ],
 )
-def test_a_faulty_manifest_of_another_package_does_not_hide_other_plugins(packages, package_xml):
+def test_a_faulty_manifest_elsewhere_hides_no_plugins(packages, package_xml):
     packages.add("their_plugins", "", package_xml=package_xml)
     packages.add_plugin("your_plugins", "Good", "loader_manifest")
 

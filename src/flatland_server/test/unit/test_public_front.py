@@ -30,7 +30,7 @@ def test_all_names_exist_are_sorted_and_public(front):
 
 
 @of_each_front
-def test_what_is_public_is_documented(front):
+def test_public_names_are_documented(front):
     public = {name: getattr(front, name) for name in front.__all__}
     classes_and_functions = {
         name: each
@@ -57,7 +57,7 @@ def test_nothing_public_is_imported_besides_all(front):
     assert imported == set(front.__all__)
 
 
-def test_packages_and_citation_have_the_version_that_the_library_tells():
+def test_packages_and_citation_have_the_librarys_version():
     packages = find_packages(str(SRC)).values()
 
     assert len(packages) > 5

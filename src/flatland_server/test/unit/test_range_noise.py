@@ -16,7 +16,7 @@ def noise_of(key, nanoseconds=0, count=COUNT):
     return (RangeNoise(key, 2.0, 100.0)(ranges, nanoseconds).astype(np.float64) - 50.0) / 2.0
 
 
-def test_it_is_normally_distributed():
+def test_range_noise_is_normally_distributed():
     noise = np.sort(noise_of(7))
 
     assert abs(noise.mean()) < 4 / COUNT**0.5

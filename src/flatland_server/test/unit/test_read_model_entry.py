@@ -26,7 +26,7 @@ def test_reading_changes_nothing(files):
     assert world.get_model("robot").pose == pytest.approx(POSE)
 
 
-def test_of_two_entries_of_one_name_the_second_is_refused(files):
+def test_the_second_entry_of_a_name_is_refused(files):
     world = files.load(EMPTY_WORLD)
     path = files.write("model.yaml", MODEL)
     entries = []
@@ -67,7 +67,7 @@ def test_plugin_classes_are_imported_by_reading(files, tmp_path, monkeypatch):
     del sys.modules["imported_late"]
 
 
-def test_an_unknown_plugin_is_reported_with_its_line_when_it_is_added(files):
+def test_adding_a_model_reports_an_unknown_plugin_with_its_line(files):
     world = files.load(EMPTY_WORLD)
     path = files.write("model.yaml", MODEL + "plugins:\n- {type: Lazer, name: laser}")
 

@@ -22,7 +22,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     return clock
 
 
-def test_it_is_due_at_once_and_then_once_a_period(clock: Clock) -> None:
+def test_a_timer_is_due_at_once_and_then_once_a_period(clock: Clock) -> None:
     timer = RealTimeTimer(1.0)
 
     due = []

@@ -69,7 +69,7 @@ def test_warnings_are_kept_from_the_first_on_and_counted(server):
     ]
 
 
-def test_what_is_kept_is_bounded(server):
+def test_the_recent_log_is_bounded(server):
     for number in range(1000):
         server.logger.warning("%d: %s", number, "x" * 100_000)
     server.logger.error("%s ValueError: the end", "y" * 100_000)
@@ -91,7 +91,7 @@ def test_warnings_go_with_the_model_that_they_name(server):
     assert server.texts() == ["aa is another"]
 
 
-def test_warnings_of_files_go_when_the_files_are_read_again_without_them(server):
+def test_reloading_the_files_removes_their_old_warnings(server):
     server.logger.warning("of the former files")
     server.manager.reset()
     assert "of the former files" in server.texts()

@@ -104,7 +104,7 @@ def test_a_batch_is_registered_in_one_call(master, registrar, updates):
     wait_for(lambda: updates == [("/cmd_vel", ["http://joystick:3"])])
 
 
-def test_what_is_closed_is_unregistered(master, registrar):
+def test_closed_topics_are_unregistered(master, registrar):
     registrar.reg_added(*ODOM)
     assert registrar.wait_until_done(LIMIT)
     registrar.reg_removed(*ODOM)
@@ -113,7 +113,7 @@ def test_what_is_closed_is_unregistered(master, registrar):
     assert names(master) == [LOGGERS[0]]
 
 
-def test_what_is_closed_in_the_same_batch_is_never_registered(master, registrar):
+def test_topics_closed_in_the_same_batch_are_never_registered(master, registrar):
     with registrar.batch():
         registrar.reg_added(*ODOM)
         registrar.reg_removed(*ODOM)
@@ -122,9 +122,7 @@ def test_what_is_closed_in_the_same_batch_is_never_registered(master, registrar)
     assert master.calls == []
 
 
-def test_a_subscription_opened_again_in_the_same_batch_gets_its_publishers(
-    master, registrar, updates
-):
+def test_a_topic_reopened_in_a_batch_gets_its_publishers(master, registrar, updates):
     registrar.reg_added(*CMD_VEL)
     assert registrar.wait_until_done(LIMIT)
     wait_for(lambda: len(updates) == 1)
@@ -194,7 +192,7 @@ def test_everything_is_registered_again_with_a_restarted_master(master, registra
     assert "the master was restarted" in caplog.text
 
 
-def test_a_master_may_be_restarted_while_something_is_to_be_registered(master, registrar):
+def test_a_master_may_restart_during_a_registration(master, registrar):
     registrar.reg_added(*ODOM)
     assert registrar.wait_until_done(LIMIT)
     master.is_silent = True

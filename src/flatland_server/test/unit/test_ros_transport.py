@@ -142,7 +142,7 @@ def holding():
     return transport
 
 
-def test_after_a_step_messages_may_wait_and_those_that_follow_may_not(holding):
+def test_messages_after_the_first_flush_are_not_held_back(holding):
     holding.flush()
     assert holding.events == ["message"]
 

@@ -111,7 +111,7 @@ def test_a_patch_is_left_out_if_a_signature_differs(
     assert "has the parameters some, others" in caplog.text
 
 
-def test_no_patch_is_used_if_none_is_wanted(unpatched_rospy, caplog):
+def test_no_patch_is_used_if_patches_are_switched_off(unpatched_rospy, caplog):
     caplog.set_level("INFO")
 
     calls = install(is_wanted=False)

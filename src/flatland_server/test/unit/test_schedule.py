@@ -165,7 +165,7 @@ def test_a_plugin_is_asked_again_only_when_something_has_changed(load, rate):
 
 
 @pytest.mark.parametrize("rate", ["", ", rate: 100"])
-def test_a_plugin_that_is_stopped_while_plugins_are_asked_is_not_called(load, rate):
+def test_a_plugin_stopped_during_has_work_calls_is_not_called(load, rate):
     manager, _ = load(f"type: Asked, name: asked{rate}", f"type: Periodic, name: other{rate}")
     world = manager.world
     spawn(manager, "late")
@@ -241,7 +241,7 @@ def test_the_plugins_of_a_deleted_model_are_not_called_any_more(load):
     assert run(manager, 10) == []
 
 
-def test_all_plugins_that_are_due_prepare_before_the_first_one_is_called(load):
+def test_all_due_plugins_prepare_before_any_is_called(load):
     manager, _ = load(
         "type: Preparing, name: slow, rate: 100",
         "type: Periodic, name: other",

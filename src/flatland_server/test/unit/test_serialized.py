@@ -82,7 +82,7 @@ def test_open_frames_send_the_same_as_single_transforms():
         assert quick.take() == plain.take()
 
 
-def test_poses_that_the_core_reads_are_sent_as_those_that_are_given():
+def test_poses_read_by_the_core_are_sent_like_given_poses():
     world = _core.World()
     base, wheel, sensor = (
         world.add_body("dynamic", pose) for pose in [(1.0, -2.0, 9.5), (0.5, 0, -1), (3, 4, 2)]

@@ -69,13 +69,13 @@ def test_the_defaults_are_those_of_the_launch_file(read):
     )
 
 
-def test_a_history_is_kept_for_the_window_unless_it_is_said_otherwise(read):
+def test_a_history_is_kept_with_the_window_by_default(read):
     assert not read(show_viz=False).history
     assert read(show_viz=False, history=True).history
     assert not read(history=False).history
 
 
-def test_parameters_of_namespaces_above_are_used_if_the_node_has_none(read, caplog):
+def test_parameters_of_outer_namespaces_are_the_fallback(read, caplog):
     caplog.set_level("INFO", "rosout")
     others = {"/world_path": "/a.yaml", "/step_size": 0.1, "/robots/step_size": 0.01, "/seed": 3}
 
@@ -107,7 +107,7 @@ def test_the_world_may_be_in_a_package(read):
     assert path.parts[-2:] == ("office", "world.yaml")
 
 
-def test_a_relative_world_has_to_be_in_the_nodes_working_directory(read, tmp_path, monkeypatch):
+def test_a_relative_world_path_begins_in_the_working_directory(read, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(FlatlandError) as refusal:
         read(world_path="sub/world.yaml")
@@ -146,7 +146,7 @@ def test_stamps_may_be_of_real_time_if_the_simulation_is(read, settings):
         ({"others": {"/use_sim_time": True}}, "/use_sim_time is true, with which other nodes wait"),
     ],
 )
-def test_stamps_of_real_time_are_refused_with_what_is_not_real_time(read, settings, message):
+def test_real_time_stamps_are_refused_with_other_rates(read, settings, message):
     with pytest.raises(FlatlandError, match=f"^~wall_clock_stamps: .*{message}"):
         read(wall_clock_stamps=True, **settings)
 

@@ -53,7 +53,7 @@ def test_a_world_is_found_by_its_name_or_its_path(tmp_path, monkeypatch):
     )
 
 
-def test_the_error_for_an_unknown_world_names_those_that_there_are(tmp_path, monkeypatch):
+def test_the_error_for_an_unknown_world_lists_all_worlds(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     with pytest.raises(FlatlandError) as error:

@@ -74,9 +74,7 @@ def test_a_step_that_does_not_end_is_not_waited_for(request_end, codes):
     assert codes.list == [1]
 
 
-def test_later_hooks_run_when_the_world_is_closed_and_are_waited_for(
-    request_end, codes, monkeypatch
-):
+def test_later_shutdown_hooks_run_and_are_waited_for(request_end, codes, monkeypatch):
     monkeypatch.setattr(shutdown, "STEP_LIMIT", 10.0)
     monkeypatch.setattr(shutdown, "EXIT_LIMIT", 0.0)
     monkeypatch.setattr(rospy, "signal_shutdown", lambda reason: None)  # it runs the hooks already

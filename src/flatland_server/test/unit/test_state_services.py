@@ -13,7 +13,7 @@ from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.timekeeper import Timekeeper
 
 
-def test_a_reload_does_not_undo_that_another_world_was_opened_meanwhile(files, monkeypatch):
+def test_a_slow_reload_does_not_replace_a_newer_world(files, monkeypatch):
     """A request for the first world is still reading its file when the second one is there."""
     paths = [files.write(name, "properties: {}\nlayers: []\n") for name in ("a.yaml", "b.yaml")]
     first, second = (WorldConfig.from_file(path) for path in paths)
@@ -56,7 +56,7 @@ def serve(files):
     return serve_with
 
 
-def test_a_control_period_between_two_steps_is_refused_at_the_start(serve):
+def test_a_control_period_that_is_no_whole_steps_is_refused(serve):
     expected = "expected ~control_period to be a multiple of the step_size of 0.03 s, found 0.1 s"
     with pytest.raises(FlatlandError, match=expected):
         serve(0.03, 0.1)
@@ -65,7 +65,7 @@ def test_a_control_period_between_two_steps_is_refused_at_the_start(serve):
 @pytest.mark.parametrize(
     ("step_size", "advance"), [(0.005, 0.1), (0.1, 0.1), (0.2, 0.2), (0.03, 0.03)]
 )
-def test_step_world_makes_one_step_where_a_tenth_of_a_second_is_none(serve, step_size, advance):
+def test_step_world_makes_one_step_if_0_1_s_is_no_multiple(serve, step_size, advance):
     manager, actions = serve(step_size)
     manager.pause()
 
@@ -74,7 +74,7 @@ def test_step_world_makes_one_step_where_a_tenth_of_a_second_is_none(serve, step
     assert manager.timekeeper.seconds == pytest.approx(advance)
 
 
-def test_time_goes_on_after_step_world_as_before_but_in_train_mode(serve):
+def test_step_world_keeps_the_pause_state_except_in_train_mode(serve):
     manager, actions = serve(0.2)
     actions["step_world"](None)
     assert not manager.is_paused

@@ -58,7 +58,7 @@ def run(manager, rounds):
     manager.run(lambda: manager.world.transport.round < end)
 
 
-def test_requested_steps_are_made_without_a_wait_and_then_reported(manager, transport):
+def test_requested_steps_are_made_at_once_and_reported(manager, transport):
     ticks = []
     manager.on_tick.append(lambda: ticks.append((steps(manager), done.done(), transport.now)))
     done = manager.request_steps(100)

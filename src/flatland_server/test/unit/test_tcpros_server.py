@@ -160,7 +160,7 @@ def test_accepting_goes_on_after_a_lack_of_file_descriptors(caplog, monkeypatch)
 
 
 @pytest.mark.parametrize("is_published", [False, True])
-def test_a_subscriber_of_a_removed_topic_is_refused_without_a_warning(
+def test_a_late_subscriber_of_a_removed_topic_causes_no_warning(
     is_published, unpatched_rospy, monkeypatch, caplog
 ):
     publisher = SimpleNamespace(closed=False) if is_published else None

@@ -104,7 +104,7 @@ def test_without_permission_it_is_tried_once(machine):
     assert machine.policies == ["real-time"]
 
 
-def test_every_second_the_guard_is_armed_anew_while_the_priority_is_high(machine, guard):
+def test_the_guard_is_rearmed_every_second_at_high_priority(machine, guard):
     priority = ThreadPriority()
 
     pass_time(machine, priority, 10, 0.1)
@@ -221,7 +221,7 @@ def start_endless() -> Iterator[object]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["python_code", "native_code"])
-def test_an_endless_plugin_loses_the_priority_is_named_and_goes_on(start_endless, kind):
+def test_an_endless_plugin_loses_its_priority_and_is_named(start_endless, kind):
     process = start_endless(kind)
 
     deadline = time.monotonic() + LIMIT

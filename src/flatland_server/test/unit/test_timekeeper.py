@@ -78,11 +78,11 @@ def test_30_hz_at_steps_of_5_ms_is_kept_on_average():
 
 
 @pytest.mark.parametrize("rate", [200.0, 1000.0, math.inf])
-def test_at_the_rate_of_the_steps_or_a_higher_one_every_step_is_due(rate):
+def test_at_the_step_rate_or_above_every_step_is_due(rate):
     assert update_times(rate, 1.0) == [5_000_000 * i for i in range(200)]
 
 
-def test_a_rate_that_does_not_divide_the_rate_of_the_steps_does_not_drift():
+def test_a_rate_that_does_not_divide_the_step_rate_has_no_drift():
     times = update_times(7.0, 1000.0)
 
     assert len(times) == 7000

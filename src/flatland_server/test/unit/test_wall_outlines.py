@@ -93,7 +93,7 @@ def test_a_pixel_is_bright_above_the_threshold_times_255(tmp_path, threshold, da
     assert bright_pixels(image, threshold).tolist() == [[False, True]]
 
 
-def test_the_threshold_of_a_16_bit_image_is_relative_to_its_white(tmp_path):
+def test_the_threshold_of_a_16_bit_image_is_relative_to_65535(tmp_path):
     # 0.65 * 65535 = 42597.75
     grey = image_of([0, 255, 42597, 42598, 65535], "I;16", np.uint16)
     image = saved_and_opened(grey, tmp_path)
@@ -102,7 +102,7 @@ def test_the_threshold_of_a_16_bit_image_is_relative_to_its_white(tmp_path):
     assert bright_pixels(image, 0.65).tolist() == [[False, False, False, True, True]]
 
 
-def test_a_palette_image_is_read_by_its_colours_not_by_their_indices(tmp_path):
+def test_a_palette_image_is_read_by_its_colours(tmp_path):
     palette = image_of([0, 1, 2], "P")
     palette.putpalette([255, 255, 255, 0, 0, 0, 200, 200, 200])
     image = saved_and_opened(palette, tmp_path)

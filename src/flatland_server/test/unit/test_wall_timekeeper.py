@@ -134,7 +134,7 @@ def test_a_pause_is_a_jump_of_the_stamps_and_of_nothing_else(manager, clock, sta
     assert all(abs(stamp - real) < 2 * STEP for stamp, real in stamps[10:])
 
 
-def test_what_the_pacer_gives_up_is_made_good(manager, stamps):
+def test_stamps_make_up_for_time_that_the_pacer_gives_up(manager, stamps):
     """The process was stopped for a second: a quarter of it is caught up by steps without waits."""
     run(manager, 10)
     manager._pacer.start = lambda _: None  # the next run goes on with this one
@@ -167,7 +167,7 @@ def test_stamps_go_on_where_simulated_time_goes_back(manager, clock, stamps, jum
     assert stamps[-1][0] == pytest.approx(stamps[-1][1], abs=3 * STEP)
 
 
-def test_requested_steps_may_run_ahead_of_real_time_but_stamps_never_go_back(manager, stamps):
+def test_stamps_never_go_back_after_requested_steps(manager, stamps):
     manager.pause()
     for count in (1000, 1):
         manager.request_steps(count)

@@ -43,7 +43,7 @@ def test_a_key_typed_once_is_held_until_it_would_repeat(driving):
     assert driving.command(0.71) == Command()
 
 
-def test_a_key_that_repeats_counts_as_released_soon_after_the_last(driving):
+def test_a_repeating_key_is_released_soon_after_its_last_repeat(driving):
     driving.on_key(KeyEvent("w"), now=0.0)
     driving.on_key(KeyEvent("w"), now=0.5)
     assert driving.command(0.69) == Command(x=1)
@@ -56,7 +56,7 @@ def test_another_key_takes_the_place_of_the_one_before(driving):
     assert driving.command(0.2) == Command(yaw=2)
 
 
-def test_keys_are_held_together_until_released_where_the_terminal_tells(driving):
+def test_terminals_with_release_events_allow_several_held_keys(driving):
     driving.on_key(KeyEvent("w", has_releases=True), now=0.0)
     driving.on_key(KeyEvent("a", has_releases=True), now=0.0)
     assert driving.command(100.0) == Command(x=1, yaw=2)

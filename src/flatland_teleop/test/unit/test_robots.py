@@ -24,7 +24,7 @@ def test_topics_with_subscribers_are_in_natural_order():
     assert robot_topics(STATE, TYPES, node="/teleop") == TOPICS
 
 
-def test_the_next_topic_follows_and_after_the_last_comes_the_first():
+def test_the_next_topic_wraps_around_at_the_end():
     assert next_topic(TOPICS, "/r2/cmd_vel") == "/r10/cmd_vel"
     assert next_topic(TOPICS, "/r10/cmd_vel") == "/r2/cmd_vel"
     assert next_topic(TOPICS, "/cmd_vel") == "/r2/cmd_vel"

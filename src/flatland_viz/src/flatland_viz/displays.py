@@ -85,7 +85,7 @@ def wanted(debug: str, others: Iterable[Shown]) -> List[Shown]:
 
     Args:
         debug: the namespace of the server's markers, `/flatland_server/debug`.
-        others: those of topics of robots.
+        others: displays of the topics of robots.
     """
     return [
         Shown("layers", WALLS, walls_topic(debug)),
@@ -98,7 +98,7 @@ def color_of(topic: str, colors: Dict[str, str]) -> str:
     """The colour of a topic, or of the next namespace above it that has one; else empty.
 
     Args:
-        topic: its absolute name.
+        topic: absolute name of the topic, such as "/robot1/scan".
         colors: of topics and namespaces; that of the root is the empty string.
     """
     while topic and topic not in colors:

@@ -27,10 +27,6 @@ def limit_anti_aliasing() -> None:
 
 
 def render_on_change(manager: Any) -> None:
-    """Makes an rviz draw its view only when it changes.
-
-    Args:
-        manager: the rviz.VisualizationManager.
-    """
+    """Makes an rviz draw its view only when it changes."""
     display = manager.createDisplay(RENDER_ON_CHANGE, "render on change", True)
     display.setHidden(True)  # in the Displays panel: there is nothing to set

@@ -42,8 +42,8 @@ class DrivePanel(QDockWidget):
     loses the keyboard and when the panel is closed.
 
     Args:
-        selection: the robot that is selected is the one to drive.
-        settings: remember the speeds.
+        selection: selection; the selected robot is driven.
+        settings: settings, which keep the speeds.
     """
 
     def __init__(self, selection: Selection, settings: Settings) -> None:

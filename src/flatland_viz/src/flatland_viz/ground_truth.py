@@ -55,7 +55,7 @@ class GroundTruth(QObject):
     Args:
         display: rviz's display of the models (`flatland_viz/Models`).
         line: the status line.
-        menu: gets the menu's action, too.
+        menu: menu that gets the action, too.
     """
 
     def __init__(self, display: Any, line: QStatusBar, menu: QMenu) -> None:

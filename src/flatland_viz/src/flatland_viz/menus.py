@@ -39,7 +39,7 @@ class Menus(QObject):
     Args:
         bar: the menu bar.
         docks: panels that the menus show and hide.
-        settings: remember the switches.
+        settings: settings, which keep the switches.
     """
 
     world_chosen = Signal(str)

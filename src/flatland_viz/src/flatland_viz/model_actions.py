@@ -25,7 +25,7 @@ class ModelActions(QObject):
         window: the parent of dialogs and menus; the keys hold in it.
         server: carries out the actions.
         selection: the selected model.
-        interaction: the tool that selects and drags.
+        interaction: tool that selects and drags models.
         follow: makes the view follow a model by its name; the empty string ends that.
     """
 

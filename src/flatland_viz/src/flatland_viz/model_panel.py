@@ -45,13 +45,7 @@ _SELECTED = QColor(70, 76, 84)
 
 
 class ModelPanel(QDockWidget):
-    """A list of the models, and the selected one's pose, speed, plugins, topics and actions.
-
-    Args:
-        selection: the selected model.
-        interaction: has its pose and velocity.
-        actions: the actions on it.
-    """
+    """A list of the models, and the selected one's pose, speed, plugins, topics and actions."""
 
     def __init__(
         self, selection: Selection, interaction: Interaction, actions: ModelActions

@@ -47,7 +47,7 @@ def show_tools(manager: Any, wanted: List[NavigationTool]) -> None:
 
     Args:
         manager: rviz's tool manager.
-        wanted: of `NAVIGATION_TOOLS`, with their topics.
+        wanted: the tools to show, with their topics.
     """
     present = [manager.getTool(index).getClassId() for index in range(manager.numTools())]
     kinds = [tool.kind for tool in wanted]

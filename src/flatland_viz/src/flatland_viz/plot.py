@@ -28,7 +28,7 @@ class Curves:
 
     Args:
         names: of topics, or of fields in their messages.
-        seconds: of simulated time that are kept.
+        seconds: length of the curves in simulated time [s].
     """
 
     def __init__(self, names: List[str], seconds: float) -> None:

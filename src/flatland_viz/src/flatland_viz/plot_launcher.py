@@ -14,11 +14,7 @@ HINT = "Double-click: plot"
 
 
 def plot_command(topic: str) -> List[str]:
-    """The command that plots a topic.
-
-    Args:
-        topic: its name.
-    """
+    """The command that plots a topic."""
     if shutil.which("rqt_plot"):
         return ["rqt_plot", topic]
     program = Path(rospkg.RosPack().get_path("flatland_viz"), "nodes", "plot")

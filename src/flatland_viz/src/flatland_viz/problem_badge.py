@@ -38,7 +38,7 @@ class ProblemBadge(QToolButton):
     """Says how many problems there are; hidden if there are none. A click lists them.
 
     Args:
-        line: the status line that it is put into.
+        line: status line that shows the badge.
         sources: report the problems.
     """
 

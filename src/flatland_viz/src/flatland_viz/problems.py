@@ -60,7 +60,7 @@ class Problems:
         self._problems.pop((source, text), None)
 
     def forget_events(self) -> None:
-        """Removes events, whose cause is gone."""
+        """Removes all events, since their causes are gone."""
         lasting = {key for group in self._lasting.values() for key in group}
         for key in self._problems.keys() - lasting:
             del self._problems[key]

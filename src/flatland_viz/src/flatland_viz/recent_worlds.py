@@ -31,7 +31,7 @@ class RecentMenu(QMenu):
     """Lists the worlds that were opened last, but for the present one.
 
     Args:
-        settings: remember the list.
+        settings: settings, which keep the list.
     """
 
     chosen = Signal(str)

@@ -188,7 +188,7 @@ class Server(QObject):
 
         Args:
             path: of the copy; empty for the world's own file.
-            then: called if that succeeds.
+            then: called after success.
         """
         done = f"Saved {path}" if path else "The world's file is saved."
         refused = "The world is not saved"
@@ -215,10 +215,10 @@ class Server(QObject):
         """Calls a service on a thread of its own; emits `failed` if that does not succeed.
 
         Args:
-            name: the service's name.
-            service: its type.
+            name: name of the service, such as "/pause".
+            service: class of the service.
             arguments: the request's arguments.
-            then: called on the window's thread if it succeeds.
+            then: called on the window's thread after success.
             done: a message for `done` on success, or a function that makes it of the response.
             refused: the title for `refused`, which is then emitted instead of `failed`.
         """

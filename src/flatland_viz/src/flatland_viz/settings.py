@@ -71,7 +71,7 @@ class Settings:
         Qt keeps it within the screen. Its panels now are those of `reset_layout`.
 
         Args:
-            window: the window.
+            window: window to restore.
             inner: the one within it, which has panels of its own.
         """
         self._first_layout = [each.saveState(_LAYOUT) for each in (window, inner)]

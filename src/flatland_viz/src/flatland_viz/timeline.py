@@ -14,7 +14,7 @@ _TIP = "Go back in time: drag the knob. The simulation pauses; Resume goes on fr
 
 
 class _Slider(QSlider):
-    """A slider whose knob comes to where it is clicked."""
+    """A slider with a knob that moves to the place of a click."""
 
     def __init__(self) -> None:
         super().__init__(Qt.Horizontal, objectName="timeline_slider")

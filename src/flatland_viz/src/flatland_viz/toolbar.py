@@ -36,7 +36,7 @@ class Toolbar(QObject):
 
     Args:
         bar: rviz's toolbar.
-        tools: rviz's tools, which it has a button for each.
+        tools: tools of rviz, with a button each.
     """
 
     def __init__(self, bar: QToolBar, tools: List[Any]) -> None:
@@ -85,7 +85,7 @@ class Toolbar(QObject):
 
         Args:
             action: an action of the menus.
-            icon_name: of a file in the folder `icons`.
+            icon_name: name of a file in the folder `icons`, without its suffix.
             text: its name in the toolbar, which may be shorter than in the menu.
         """
         action.setIcon(icon(icon_name))

@@ -29,9 +29,9 @@ class TrailDisplay(QObject):
     """Subscribes to models and odometry while it is switched on, and to nothing otherwise.
 
     Args:
-        menu: gets the switch, before its first separator.
-        scene: shows the lines.
-        selection: the robot.
+        menu: menu that gets the switch, before its first separator.
+        scene: scene to draw the lines in.
+        selection: selected robot.
         states: the topic of the server's flatland_msgs/ModelStates.
     """
 

@@ -20,7 +20,7 @@ def print_warnings_once() -> None:
 
 
 def take_warnings() -> Dict[str, int]:
-    """How often each warning has come since the last call, by its text."""
+    """The number of times that each warning has come since the last call, by its text."""
     taken: Dict[str, int] = {}
     with suppress(OSError):
         take = ctypes.CDLL(_LIBRARY).flatland_viz_take_warning

@@ -19,7 +19,7 @@ class ViewSwitches(QObject):
     """Checkable actions in a menu.
 
     Args:
-        menu: gets the actions, before its first separator.
+        menu: menu that gets the actions, before its first separator.
         switches: the function of each, by the names of `_SWITCHES`.
     """
 

@@ -91,7 +91,7 @@ def _show_window(ends_server: bool) -> int:
         theme.apply("dark")  # before there are widgets: Qt changes them only once it runs
 
     problems = ProblemSources()
-    problems.start()  # before rviz, whose transforms warn
+    problems.start()  # before rviz, which warns about transforms
     server = Server()
     server.models_changed.connect(problems.check_models)
     _start_rviz_node()

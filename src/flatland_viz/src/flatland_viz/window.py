@@ -51,14 +51,7 @@ messages, even latched ones, when it notices that time went back, at an unknown 
 
 
 class Window(QMainWindow):
-    """Shows the world of a server, also before that runs and after it has ended.
-
-    Args:
-        server: the connection to it.
-        scene: the embedded rviz.
-        problems: the sources of the badge's problems.
-        theme: the application's theme.
-    """
+    """Shows the world of a server, also before that runs and after it has ended."""
 
     def __init__(
         self, server: Server, scene: Scene, problems: ProblemSources, theme: Theme

@@ -17,9 +17,9 @@ class WorldSaving(QObject):
     """Connects the menu's actions with the server, and marks the window's title.
 
     Args:
-        window: its title has the place of the mark.
-        server: writes the file.
-        menus: have the actions.
+        window: window with the title to mark.
+        server: server that writes the file.
+        menus: menus with the actions.
         workbench: knows whether models have been changed in this window, and not by programs alone.
     """
 

@@ -27,9 +27,9 @@ class WorldModels;
 /// transform from the map to that odometry frame comes from a localiser; without it, scans could
 /// not be shown.
 ///
-/// This finds the root of the transforms of each body, such as "odom". If it is not connected to
-/// the map, it follows from where the body truly is in the map, and from where the body is in the
-/// root. The transform map -> root goes to the transforms of this window alone or, if
+/// This finds the root of the transforms of each body, such as "odom". If the root is not connected
+/// to the map, its pose in the map is computed from the body's true pose in the map, and the body's
+/// pose in the root. The transform map -> root goes to the transforms of this window alone or, if
 /// `is_published`, to /tf for all nodes. It ends as soon as another node publishes that transform.
 class GroundTruthFrames {
  public:

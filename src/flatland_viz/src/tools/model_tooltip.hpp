@@ -15,7 +15,8 @@ class ModelTooltip {
   /// The mouse has reached another model, or left it.
   void Restart();
   void Hide();
-  /// Shows it beside the mouse once this has been over a model for a while, with its latest state.
+  /// Shows it beside the mouse when the mouse has been over a model for a while, and updates its
+  /// text.
   void Update(const WorldModel& model, QWidget* panel);
 
  private:

@@ -279,7 +279,7 @@ void SpawnDialog::Open(const QString& error, bool is_placed) {
   QLineEdit* first = is_placed ? name_ : search_;
   first->setFocus();
   first->selectAll();
-  ok->setDefault(true);  // while it was disabled, Enter has become Cancel's
+  ok->setDefault(true);  // while it was disabled, Cancel became the default
 }
 
 void SpawnDialog::Wait(const QString& reason) {

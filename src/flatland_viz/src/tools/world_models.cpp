@@ -12,8 +12,8 @@
 namespace flatland_viz {
 namespace {
 
-// Of Okabe and Ito, distinct also for the colour-blind, but for those that are faint on the light
-// or on the dark background.
+// The palette of Okabe and Ito, which is safe for colour-blind people, without the colours that are
+// faint on the light or the dark background.
 const std::array<QColor, 6> kColors = {QColor(213, 94, 0),  QColor(0, 114, 178),
                                        QColor(0, 158, 115), QColor(204, 121, 167),
                                        QColor(230, 159, 0), QColor(86, 180, 233)};

@@ -9,8 +9,8 @@ namespace flatland_viz {
 
 /// Calls back when a part of an X window must be drawn again.
 ///
-/// Ogre draws into a child of Qt's window. Expose events go to those that ask for that child's,
-/// which neither Qt nor Ogre do.
+/// Ogre draws into a child of Qt's window. Expose events go only to connections that select those
+/// of that child, and neither Qt nor Ogre does.
 class Exposures {
  public:
   /// @param window  the id of the X window

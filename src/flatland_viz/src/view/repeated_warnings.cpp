@@ -1,8 +1,8 @@
 /// Warnings of tf2, which come with every transform that it ignores: hundreds a second.
 ///
-/// They come on any thread, while console_bridge's lock is held. Python fetches their numbers: a
-/// call into Python would wait here for the GIL, and a thread with the GIL, which has a warning of
-/// its own, for that lock.
+/// They come on any thread, while console_bridge's lock is held. So Python polls their numbers. A
+/// call into Python from here could deadlock: it would wait for the GIL, while a thread with the
+/// GIL waits for that lock, to print a warning of its own.
 
 #include <console_bridge/console.h>
 

@@ -52,7 +52,8 @@ void ScanDisplay::processMessage(const sensor_msgs::LaserScan::ConstPtr& scan) {
     }
     angle += scan->angle_increment;
   }
-  // The former points go after the new ones are there, as RenderOnChange tells them by address.
+  // The former points are deleted after the new ones are made: RenderOnChange tells them apart by
+  // address.
   const std::unique_ptr<WallLines> former = std::move(points_);
   if (ends.empty()) return;
   points_ = std::make_unique<WallLines>(ends.data(), ends.size() / 2, material_,

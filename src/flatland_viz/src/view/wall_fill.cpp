@@ -1,7 +1,7 @@
 // A horizontal line sweeps over the outlines. Between two heights at which edges begin or end, the
 // edges that it meets have the same order from left to right, and every second gap between them is
-// within. Such a gap is a trapezoid, which goes on as long as it has the same two edges: a wall of
-// an office is one.
+// inside. Such a gap is a trapezoid, which continues as long as it has the same two edges: a wall
+// of an office is one trapezoid.
 
 #include "wall_fill.hpp"
 
@@ -27,7 +27,8 @@ std::uint64_t Key(const float* point) {
   return std::uint64_t(bits[0]) << 32 | bits[1];
 }
 
-/// Which segments remain when those with a free end have been removed, again and again.
+/// Flags of the segments that remain when segments with a free end are removed until there are
+/// none.
 std::vector<bool> Closed(const std::vector<float>& segments) {
   struct Corner {
     std::size_t ends = 0;

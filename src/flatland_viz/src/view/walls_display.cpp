@@ -45,8 +45,8 @@ QString BoundsOf(const flatland_msgs::Walls& walls) {
   return QString("%1 %2 %3 %4").arg(low[0]).arg(low[1]).arg(high[0]).arg(high[1]);
 }
 
-/// Those lines of filled walls that are longer than a step of a pixel, of which maps have
-/// thousands: thin walls are seen by them from afar.
+/// The outlines of filled walls that are drawn, so that thin walls are visible from afar: lines
+/// longer than the steps of single pixels, of which maps have thousands.
 std::vector<float> LongLinesOf(const std::vector<float>& segments) {
   std::vector<float> lengths, lines;
   for (std::size_t i = 0; i + kNumbers <= segments.size(); i += kNumbers) {

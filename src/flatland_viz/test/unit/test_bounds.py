@@ -59,7 +59,7 @@ def test_the_view_is_filled_by_the_world(bounds, size):
 
 
 @pytest.mark.parametrize("bounds", [Bounds(3, 4, 3, 4), Bounds(3, 4, 3.1, 4)])
-def test_a_point_is_not_magnified_without_end(bounds):
+def test_the_zoom_on_a_point_is_limited(bounds):
     assert framed(bounds, 1000, 1000).scale == pytest.approx(0.92 * 1000 / 0.5)
 
 
@@ -72,7 +72,7 @@ def test_a_point_is_not_magnified_without_end(bounds):
         (Bounds(-3000, 500, 9000, 600), 1000.0),
     ],
 )
-def test_the_grid_reaches_beyond_the_world_with_lines_at_whole_cells(bounds, cell_size):
+def test_the_grid_covers_the_world_with_whole_cells(bounds, cell_size):
     grid = grid_around(bounds)
 
     half = grid.cells * grid.cell_size / 2

@@ -35,7 +35,7 @@ def test_a_server_in_a_namespace_has_its_own_topics():
     ]
 
 
-def test_scans_plans_and_goals_are_found_among_all_topics_in_natural_order():
+def test_scans_plans_and_goals_are_listed_in_natural_order():
     poses, paths = "geometry_msgs/PoseStamped", "nav_msgs/Path"
     published = [
         ("/r10/scan", "sensor_msgs/LaserScan"),

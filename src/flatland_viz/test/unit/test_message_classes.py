@@ -37,7 +37,7 @@ def test_a_plot_finds_types_of_messages(trap):
     assert message_class_of("std_msgs/Bool") is Bool
 
 
-def test_the_panel_looks_up_no_class_but_of_types_whose_values_it_shows(trap, monkeypatch):
+def test_the_panel_imports_only_classes_of_types_that_it_shows(trap, monkeypatch):
     subscribed = {}
     monkeypatch.setattr(
         rospy, "Subscriber", lambda name, kind, *args, **options: subscribed.update({name: kind})

@@ -50,7 +50,7 @@ def visible(bar):
     return [name for _, name in sorted(seen) if name]
 
 
-def test_what_is_used_least_vanishes_first(window, application):
+def test_the_least_used_buttons_vanish_first(window, application):
     bar = window.addToolBar("tools")
     for tool in TOOLS:
         action = bar.addAction(tool.getName())
@@ -78,7 +78,7 @@ def test_what_is_used_least_vanishes_first(window, application):
     assert visible(bar)[2] == "2D Nav Goal"
 
 
-def test_the_buttons_stay_where_they_are_when_pause_becomes_resume(window, application):
+def test_buttons_do_not_move_when_pause_becomes_resume(window, application):
     bar = window.addToolBar("tools")
     for tool in TOOLS:
         bar.addAction(tool.getName()).setIcon(icon("resume"))

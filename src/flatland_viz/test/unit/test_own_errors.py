@@ -26,7 +26,7 @@ def fail_elsewhere(message):
     return message.pose
 
 
-def test_a_callback_that_fails_at_each_message_is_logged_once_and_counted(errors, caplog):
+def test_a_failing_callback_is_logged_once_and_counted(errors, caplog):
     topic = _SubscriberImpl("/numbers", UInt8)
     topic.add_callback(fail, None)
     topic.add_callback(fail_elsewhere, None)
@@ -42,7 +42,7 @@ def test_a_callback_that_fails_at_each_message_is_logged_once_and_counted(errors
     assert errors.take() == []
 
 
-def test_what_is_no_error_of_the_program_is_logged_each_time(errors, caplog):
+def test_log_entries_without_a_traceback_are_logged_each_time(errors, caplog):
     for _ in range(2):
         rospy.logerr("the file cannot be read")
         rospy.logwarn("slow: %s", "Traceback (most recent call last):")

@@ -37,7 +37,7 @@ def test_states_last_until_they_are_reported_no_more():
     assert problems.latest_first == []
 
 
-def test_a_state_that_was_cleared_comes_back_when_it_begins_again():
+def test_a_cleared_problem_returns_when_it_begins_again():
     problems = Problems()
     problems.report("d", [FAILED])
     problems.clear()

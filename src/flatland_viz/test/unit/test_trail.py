@@ -36,7 +36,7 @@ def test_a_robot_that_was_put_elsewhere_begins_anew():
     assert trails.of("r1").points == [(3.0, 0.0), (3.1, 0.0)]
 
 
-def test_the_belief_begins_where_the_robot_is():
+def test_the_odometry_trail_begins_at_the_robot():
     trails = Trails()
     trails.see("r1", 0.0, (2.0, 3.0, math.pi / 2))
     trails.believe("r1", 0.0, (10.0, 0.0, 0.0))

@@ -67,7 +67,7 @@ def output_of(program):
 
 
 @pytest.mark.slow
-def test_threads_that_warn_with_and_without_the_gil_never_wait_for_each_other():
+def test_warnings_with_and_without_the_gil_do_not_deadlock():
     output, _ = output_of(BOTH_THREADS_WARN)
     repeated = "TF_REPEATED_DATA ignoring data with redundant timestamp for frame base"
     assert output == f"{[('a thread without the GIL', 1), (repeated, 1)]}\n"

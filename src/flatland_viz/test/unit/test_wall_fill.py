@@ -56,7 +56,7 @@ def covered(triangles, points):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("yaw", [0.0, 0.3])
-def test_the_occupied_cells_of_an_image_are_filled_once_and_no_others(fill, yaw):
+def test_exactly_the_occupied_cells_of_an_image_are_filled(fill, yaw):
     bright = np.random.default_rng(1).random((12, 17)) < 0.6
     turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
     walls = outlines(bright).reshape(-1, 2) @ turn.T

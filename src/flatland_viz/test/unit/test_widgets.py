@@ -57,7 +57,7 @@ def send_key(receiver, kind, key, text=""):
 
 
 @pytest.mark.parametrize("text", ["-1.5", "-1,5"])
-def test_a_decimal_point_and_a_comma_mean_the_same_in_every_locale(application, locale, text):
+def test_decimal_point_and_comma_are_equal_in_every_locale(application, locale, text):
     dialog = MoveDialog(None, "crate", (1234.5, 0.0, 0.0))
     field = dialog.findChild(QObject, "x")
     assert field.text() == "1234.500 m"
@@ -86,7 +86,7 @@ def moment(time, begin, end):
     return Simulation(time, True, 1.0, 1.0, begin, end)
 
 
-def test_the_timeline_seeks_where_it_is_clicked_once_the_button_is_released(application):
+def test_the_timeline_seeks_when_the_button_is_released(application):
     timeline, sought = Timeline(), []
     timeline.sought.connect(sought.append)
     timeline.resize(600, 30)
@@ -136,7 +136,7 @@ def robot(name):
     return Model(name, name, "", ("drive (DiffDrive)",), (), (topic,), 0.4)
 
 
-def test_a_held_key_does_not_drive_the_next_robot_when_its_own_is_deleted(application, monkeypatch):
+def test_deleting_a_robot_does_not_pass_a_held_key_to_the_next(application, monkeypatch):
     monkeypatch.setattr(drive_panel, "DrivePublisher", Publisher)
     window = QMainWindow()
     panel = drive_panel.DrivePanel(Selection(), Settings())
@@ -254,7 +254,7 @@ def test_a_long_name_does_not_push_buttons_out_of_the_panel(actions, application
         assert button.mapTo(panel, button.rect().bottomRight()).x() < panel.width()
 
 
-def test_what_is_done_to_a_model_is_done_once_while_a_key_is_held(actions):
+def test_a_held_key_does_not_repeat_actions_on_models(actions):
     assert not any(action.autoRepeat() for action in (*actions.all, actions.undo))
 
 
@@ -287,7 +287,7 @@ def luminance(color):
 
 
 @pytest.mark.parametrize("background", ["#efefef", "#2d2d30"])
-def test_the_state_is_readable_on_a_light_desktop_and_on_a_dark_one(application, background):
+def test_the_state_is_readable_on_light_and_dark_desktops(application, background):
     line = StatusLine()
     palette = line.palette()
     palette.setColor(QPalette.Window, QColor(background))

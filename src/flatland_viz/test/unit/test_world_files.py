@@ -29,9 +29,7 @@ def test_the_title_names_the_world_with_its_folder():
         ("worlds", None, False),
     ],
 )
-def test_worlds_of_flatland_and_of_install_spaces_are_not_the_users(
-    tmp_path, folder, package, is_other
-):
+def test_worlds_in_install_spaces_are_not_the_users(tmp_path, folder, package, is_other):
     place = tmp_path / folder
     (place / "worlds").mkdir(parents=True)
     world = place / "worlds" / "world.yaml"

@@ -18,7 +18,7 @@ def test_qt_draws_by_x_where_there_is_a_display(platform, display, monkeypatch):
     assert os.environ["QT_QPA_PLATFORM"] == "xcb"
 
 
-def test_what_is_missing_is_said(display, monkeypatch):
+def test_the_missing_display_is_named(display, monkeypatch):
     monkeypatch.setenv("DISPLAY", display)
     monkeypatch.setenv("QT_QPA_PLATFORM", "offscreen")
     assert choose_x() == "QT_QPA_PLATFORM is 'offscreen', and rviz needs 'xcb'"

@@ -22,9 +22,9 @@ def actions_of(value: Any, shape: Tuple[int, ...], names: Sequence[str]) -> Floa
     The core checks whether they are finite.
 
     Args:
-        value: what a program has passed.
-        shape: the required one.
-        names: of the numbers of an action.
+        value: the array or nested list to convert.
+        shape: shape that the array must have.
+        names: names of the numbers of an action, for the error.
 
     Raises:
         UsageError: they have another shape or type.
@@ -42,7 +42,7 @@ def poses_of(
 
     Args:
         value: what a program has passed, of the shape (*rows, 3).
-        name: the argument's name.
+        name: name of the argument, for the error.
         rows: number of environments; perhaps that of robots or models in each.
         mask: which environments, or which of the poses, matter; None: all.
 
@@ -74,7 +74,7 @@ def mask_of(value: Any, count: int, robots: Optional[int] = None) -> BoolArray:
     """A mask of environments, or of their robots: an array of bool.
 
     Args:
-        value: what a program has passed.
+        value: the array or list to convert.
         count: number of environments, n.
         robots: number of robots, m, if the mask may have the shape (n, m), too.
 

@@ -37,7 +37,7 @@ class BatchMotions:
     Args:
         roles: the roles of the plugins.
         count: number of environments, n.
-        step_nanoseconds: length of a step.
+        step_nanoseconds: length of a step [ns].
     """
 
     def __init__(self, roles: Sequence[PluginRole], count: int, step_nanoseconds: int) -> None:
@@ -84,7 +84,7 @@ class BatchMotions:
         """Restores an environment that was begun.
 
         Args:
-            environment: its index.
+            environment: index of the environment, from 0.
             states: those of the motions, and perhaps of other plugins.
             now: the simulated time [ns].
 
@@ -109,10 +109,10 @@ class BatchMotions:
         """Makes the updates that are due; returns the number of steps until the next one is.
 
         Args:
-            core: the batch.
+            core: the batch in the core.
             chosen: which environments, (n,); None: all. The others are not looked at.
             times: of the environments now [ns], (n,).
-            most: upper limit of the result.
+            most: greatest number of steps to return.
         """
         for each in self._entries:
             is_due = times >= each.due

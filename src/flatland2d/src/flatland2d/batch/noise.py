@@ -15,7 +15,7 @@ class BatchNoise:
     """Adds the noise of the lidar in a `Simulation` with the environment's seed.
 
     Args:
-        robot: its model and lidar.
+        robot: the robot with the lidar.
         count: number of environments, n.
     """
 

@@ -21,11 +21,11 @@ class BatchPlugins:
     """The plugins of a batch that change its worlds.
 
     Args:
-        config: of the initial world.
-        roles: of its plugins.
+        config: contents of the initial world's files.
+        roles: roles of the plugins, in the order in which a step calls them.
         count: number of environments, n.
-        step_nanoseconds: length of a step.
-        open: loads the world with another seed.
+        step_nanoseconds: length of a step [ns].
+        open: returns the world of a seed.
         origin: the state in which environments begin; None: that of the world's files.
 
     Attributes:
@@ -61,7 +61,7 @@ class BatchPlugins:
         """Loads the worlds of environments with new seeds, if worlds depend on the seed.
 
         Args:
-            core: the batch.
+            core: the batch in the core.
             chosen: which environments, (n,); None: all.
             seeds: of the environments, (n,).
             steps: made by each, (n,); set to 0 for environments that get another world.
@@ -134,11 +134,11 @@ class BatchPlugins:
         """Makes steps, with the updates of plugins between them.
 
         Args:
-            core: the batch.
+            core: the batch in the core.
             chosen: which environments are stepped, (n,); None: all.
             driven: which robots are driven in them and observed, as in `core.step`.
-            commands: of all robots.
-            count: of the steps.
+            commands: actions of all robots.
+            count: number of steps.
             steps: that each environment has made before, (n,).
             out: arrays that the core writes to.
         """

@@ -408,7 +408,7 @@ class SimulationBatch:
         the same simulation, and the batch closes it.
 
         Args:
-            index: of the environment.
+            index: index of the environment, from 0.
 
         Raises:
             UsageError: there is no such environment, or the batch is closed.
@@ -565,7 +565,7 @@ class SimulationBatch:
         """Walls that plugins have added to an environment: a new array (m, 4), x1, y1, x2, y2 [m].
 
         Args:
-            index: of the environment.
+            index: index of the environment, from 0.
 
         Raises:
             UsageError: there is no such environment, or the batch is closed.
@@ -595,9 +595,9 @@ class SimulationBatch:
         They are independent of each other: two may overlap.
 
         Args:
-            count: of the poses.
+            count: number of poses.
             clearance: as for `free_space`.
-            rng: the random numbers.
+            rng: generator of NumPy to draw from.
 
         Returns:
             Shape (count, 3): x, y [m] and yaw [rad] of the robot's origin.

@@ -15,7 +15,7 @@ class BatchView:
     Args:
         world: the batch's world.
         step_size: length of a step [s].
-        params: of the world's plugins.
+        params: parameters of the world's plugins, by name.
         loader: finds their classes.
         origin: the state in which environments begin, if it is not that of the world's files.
     """

@@ -16,7 +16,7 @@ class BatchWorlds:
     Args:
         roles: of the plugins of the world, which is shared unless one varies by the seed.
         count: number of environments, n.
-        open: loads the world with a seed.
+        open: returns the world of a seed.
         is_random: whether the world's files depend on the seed.
     """
 

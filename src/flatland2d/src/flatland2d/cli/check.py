@@ -54,8 +54,8 @@ def load(
     """Loads a world file; or a model or map file, into an otherwise empty world.
 
     Args:
-        path: the file's path.
-        preprocessor: for its expressions.
+        path: path of a world, model or map file.
+        preprocessor: evaluates the expressions in the file.
         model_folders: where models are looked up that are not beside the world file.
         transport: for the plugins; by default one without parameters.
 
@@ -123,7 +123,7 @@ def check(
 
     Args:
         name: of a world, model or map file: its path, or a `package://` URI.
-        picture: the image file to draw the world into, if any.
+        picture: image file for a picture of the world; none: no picture.
         model_folders: where models are looked up that are not beside the world file.
         params: parameters by name, for expressions and plugins.
 

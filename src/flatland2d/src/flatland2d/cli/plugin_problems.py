@@ -30,9 +30,9 @@ def plugin_problems(
 
     Args:
         path: of the world or model file.
-        preprocessor: for its expressions.
+        preprocessor: evaluates the expressions in the file.
         model_folders: where models are looked up that are not beside the world file.
-        transport: has the parameters of the plugins.
+        transport: carries the topics and parameters of the plugins.
     """
     problems: List[Problem] = []
     with suppress(FlatlandError):

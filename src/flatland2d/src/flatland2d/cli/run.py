@@ -98,10 +98,10 @@ def _simulate(
     """Makes steps until the time has come, or Ctrl-C.
 
     Args:
-        simulation: is stepped.
+        simulation: the simulation to step.
         seconds: how much simulated time [s]; None is for ever.
-        rate: at most so much simulated time per real time.
-        is_interrupted: whether to end.
+        rate: greatest simulated time per real time.
+        is_interrupted: true ends the run early.
         report: called now and then, with the simulated time [s].
     """
     step_size = simulation.step_size

@@ -107,9 +107,6 @@ def add_parser(commands: Subparsers) -> None:
 def bridge(command: str) -> Any:
     """The module of the bridge's server, which only this and `flatland view` import.
 
-    Args:
-        command: that needs it.
-
     Raises:
         MissingPackageError: a package that it needs is missing.
     """

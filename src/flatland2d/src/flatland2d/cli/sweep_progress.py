@@ -16,7 +16,7 @@ class Progress:
 
     Args:
         total: number of scenarios.
-        done: how many of them are done already.
+        done: number of scenarios that are done already.
     """
 
     def __init__(self, total: int, done: int) -> None:
@@ -101,7 +101,7 @@ def show_progress(total: int, done: int, is_wanted: bool) -> Iterator[Progress]:
 
     Args:
         total: number of scenarios.
-        done: how many of them are done already.
+        done: number of scenarios that are done already.
         is_wanted: whether anything is shown.
     """
     if not is_wanted:

@@ -31,7 +31,7 @@ def replay(
     Args:
         settings: the content of the scenario file.
         number: the scenario's number.
-        folder: has the results of the sweep, if there are any.
+        folder: folder with the results of the sweep, which need not exist.
         view: whether the run is shown on a page, in real time; it begins once a browser shows it.
         recording: the file that its messages are recorded into, if any.
 

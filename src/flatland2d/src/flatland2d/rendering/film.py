@@ -26,7 +26,7 @@ class Animation:
         film                       # the last line of a cell; or film.save("run.gif")
 
     Args:
-        fps: how many pictures are shown in a second.
+        fps: pictures per second at which it is played.
 
     Raises:
         UsageError: the rate is not above zero.

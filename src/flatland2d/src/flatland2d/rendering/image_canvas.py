@@ -38,7 +38,7 @@ class ImageCanvas(Canvas):
     """Draws on an RGB image.
 
     Args:
-        image: is drawn on.
+        image: RGB image to draw on; it is changed in place.
         view: what it shows; its size must be that of the image.
     """
 
@@ -144,8 +144,8 @@ class ImageCanvas(Canvas):
         Args:
             pixels: of the shape: shape (n, 2).
             grow: how far the shape extends beyond them [px].
-            color: blended into the image.
-            draw: is called with these pixels on the mask.
+            color: colour of the drawing.
+            draw: called with the mask to draw on, the points in its pixels, and its enlargement.
             is_fine: whether to use `_FINE` for a large mask, too.
         """
         if not np.isfinite(pixels).all():

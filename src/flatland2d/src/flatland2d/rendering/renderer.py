@@ -42,7 +42,7 @@ class Renderer:
     def view(
         self, size: Optional[Size] = None, *, follow: Optional[str] = None, width: float = 10.0
     ) -> View:
-        """The whole world, or the surroundings of a model.
+        """The whole world, or the area around a model.
 
         Args:
             size: of the picture [px]; by default the longer side has 1600 pixels, or both have 800

@@ -20,7 +20,7 @@ class SvgCanvas(Canvas):
 
     Args:
         view: what the picture shows.
-        background: its colour.
+        background: colour of the background.
     """
 
     def __init__(self, view: View, background: Rgba) -> None:

@@ -70,9 +70,9 @@ def compare(first: Runs, second: Runs, name: str, worse: bool = False) -> Compar
     """Compares a metric in two sets of runs.
 
     Args:
-        first: by their tasks.
-        second: by their tasks; those that only one of the two has are left out.
-        name: of a metric in SUMMARISED.
+        first: runs by their tasks.
+        second: runs by their tasks; tasks that only one of the two has are left out.
+        name: name of a metric in SUMMARISED.
         worse: whether to test for a change for the worse alone, from the second to the first;
             else for any difference.
 

@@ -31,12 +31,7 @@ _NOT_CALLED = (inspect.isgeneratorfunction, inspect.iscoroutinefunction, inspect
 
 
 def python_file(target: str, folder: Path) -> Optional[Path]:
-    """The file of a function that is named as "file.py:function"; None for one of a module.
-
-    Args:
-        target: the function's name.
-        folder: the scenario file's folder.
-    """
+    """The file of a function that is named as "file.py:function"; None for one of a module."""
     module = target.rpartition(":")[0]
     return folder / module if module.endswith(".py") else None
 
@@ -97,12 +92,6 @@ def arguments_of(
     folder: Path,
 ) -> Dict[str, Any]:
     """The keyword arguments of a controller's function.
-
-    Args:
-        controller: an entry of a scenario file.
-        function: its function.
-        parameters: a scenario's parameters.
-        folder: the scenario file's folder.
 
     Raises:
         UsageError: the function does not take them.

@@ -28,7 +28,7 @@ def gaps(
     """Drives in the free direction that is nearest to the goal's. It has no map.
 
     Args:
-        run: with a goal.
+        run: the scenario's run; it must have a goal.
         sensor: name of the robot's lidar.
         speed: [m/s].
         distance: up to which obstacles count [m].
@@ -60,7 +60,7 @@ def planner(
     """Plans a path, stops for what its lidar sees, and plans a way around it; may give up.
 
     Args:
-        run: with a goal.
+        run: the scenario's run; it must have a goal.
         sensor: name of the robot's lidar.
         speed: the largest [m/s].
         has_map: whether it knows walls and static bodies from the beginning.

@@ -34,9 +34,6 @@ _LENGTH = 16
 class Fingerprints:
     """Computes the fingerprints of a sweep's scenarios, and so checks its worlds and controllers.
 
-    Args:
-        settings: the sweep's settings.
-
     Attributes:
         unused: the parameters that change nothing: no file reads them, and no controller takes
             them.

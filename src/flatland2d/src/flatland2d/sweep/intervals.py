@@ -25,8 +25,8 @@ def rate(successes: int, count: int) -> Interval:
     "Probable inference, the law of succession, and statistical inference", 1927).
 
     Args:
-        successes: 0 to `count`.
-        count: of trials.
+        successes: number of successes, 0 to `count`.
+        count: number of trials.
     """
     if count == 0:
         return Interval(math.nan, math.nan, math.nan)

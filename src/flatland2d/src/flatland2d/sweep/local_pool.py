@@ -114,7 +114,7 @@ class LocalPool:
 
         Args:
             function: of a module, so that it can be pickled.
-            scenarios: different ones.
+            scenarios: the scenarios, each once.
 
         Yields:
             Each scenario when it is done, in any order.
@@ -210,9 +210,6 @@ class LocalPool:
 class _Worker:
     """A worker as its parent sees it.
 
-    Args:
-        settings: the sweep's settings.
-
     Attributes:
         connection: its messages; at the end of the file, it has died.
         is_ready: whether its first message has been received.
@@ -303,11 +300,7 @@ class _Worker:
 
 
 def work(descriptor: int) -> None:
-    """The program of a worker: runs the scenarios that its parent sends.
-
-    Args:
-        descriptor: the socket's descriptor.
-    """
+    """The program of a worker: runs the scenarios that its parent sends."""
     os.dup2(2, 1)  # what controllers print does not mix with the results on standard output
     logging.basicConfig(format="%(message)s", level=logging.WARNING)
     os.set_inheritable(descriptor, False)  # by programs that controllers start

@@ -73,7 +73,7 @@ def barn_score(success: bool, shortest: float, time: float, top_speed: float) ->
 
 
 def motion_metrics(times: Sequence[float], poses: Sequence[Pose]) -> Dict[str, Optional[float]]:
-    """How steadily a robot has driven, from its poses at control steps.
+    """Measures of steady driving, from the poses of a robot at control steps.
 
     - `stalled_time`: the time of control steps in which it moved by less than 0.01 m/s and turned
       by less than 0.01 rad/s.
@@ -86,7 +86,7 @@ def motion_metrics(times: Sequence[float], poses: Sequence[Pose]) -> Dict[str, O
 
     Args:
         times: the poses' times [s].
-        poses: of the robot, one more than control steps.
+        poses: poses of the robot [m, m, rad], one more than control steps.
     """
     t, (x, y, yaw) = np.asarray(times), np.array(poses).reshape(-1, 3).T
     dt = np.diff(t)

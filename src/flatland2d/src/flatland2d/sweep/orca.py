@@ -28,7 +28,7 @@ def orca(
     velocity, and drives at its part that is ahead.
 
     Args:
-        run: with a goal.
+        run: the scenario's run; it must have a goal.
         speed: the largest [m/s].
         horizon: time without collisions with other models [s].
         wall_horizon: with walls [s].

@@ -82,7 +82,7 @@ def markdown_table(summary: Summary, comparisons: Comparisons = ()) -> str:
     """The summary as a table in Markdown: a row for each world and metric.
 
     Args:
-        summary: of all worlds and controllers.
+        summary: summary rows of all worlds and controllers.
         comparisons: see `latex_table`.
     """
     heads = ["world", "metric", *_controllers(summary)]
@@ -106,7 +106,7 @@ def latex_table(summary: Summary, comparisons: Comparisons = ()) -> str:
     of two columns of a page.
 
     Args:
-        summary: of all worlds and controllers.
+        summary: summary rows of all worlds and controllers.
         comparisons: of the controllers; those that are significantly worse than the best one are
             told from the others, which are bold.
     """
@@ -248,7 +248,7 @@ def _lines(
         if f"{name}_low" in rows[0] and any(row[name] is not None for row in rows):
             form = _form(name, summary)
             cells = [_cell(name, row, form) if row else _Cell("") for row in found]
-            yield _label(name), _judged(cells, found, name, compared)
+            yield _label(name), _with_p_values(cells, found, name, compared)
 
 
 def _compared(row: Mapping[str, Any], comparisons: Comparisons) -> Dict[Tuple[str, ...], Any]:
@@ -263,7 +263,7 @@ def _compared(row: Mapping[str, Any], comparisons: Comparisons) -> Dict[Tuple[st
     }
 
 
-def _judged(
+def _with_p_values(
     cells: List[_Cell],
     rows: Sequence[Optional[Mapping[str, Any]]],
     name: str,

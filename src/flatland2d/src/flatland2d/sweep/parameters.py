@@ -181,9 +181,9 @@ def set_value(content: Dict[str, Any], place: str, value: Any) -> None:
     """Changes a value in a world.
 
     Args:
-        content: of the world; see `world_content`.
+        content: content of the world, which is changed; see `world_content`.
         place: such as "models.robot.plugins.laser.range".
-        value: the new one.
+        value: the new value.
 
     Raises:
         UsageError: there is no such place.

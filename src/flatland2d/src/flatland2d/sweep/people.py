@@ -43,12 +43,7 @@ def _plugins_of(world: World) -> List[Plugin]:
 
 
 class PeopleMetrics:
-    """Measures the distance from the nearest person at control steps.
-
-    Args:
-        world: the robot's world.
-        robot: the driven model.
-    """
+    """Measures the distance from the nearest person at control steps."""
 
     def __init__(self, world: World, robot: Model) -> None:
         self._world = world
@@ -75,7 +70,7 @@ class PeopleMetrics:
 
         Args:
             other: the model or layer that it has hit.
-            velocities: before the step of the collision.
+            velocities: of the robot and the people, by name, before the step of the collision.
         """
         if other not in velocities:
             return
@@ -139,9 +134,10 @@ class PeopleMetrics:
 
 
 def is_among(point: Point, people: Sequence[Model]) -> bool:
-    """Whether a point is in the convex hull of the circles around people.
+    """True if a point is in the convex hull of the circles around people.
 
-    It is, unless all of them lie on one side of a line through it. The lines are a degree apart.
+    It is outside if all circles lie on one side of a line through it. Lines a degree apart are
+    tried.
     """
     centers = np.array([person.pose[:2] for person in people]) - point
     reach = _DIRECTIONS @ centers.T + [person.radius for person in people]

@@ -87,7 +87,7 @@ def verdicts(
 
     Args:
         rows: see `read_rows`.
-        baseline: those of the former sweep.
+        baseline: rows of the former sweep.
         tolerance: changes of a mean up to this fraction of the former one are none; of a rate, up
             to this difference.
         worlds: see `runs_of`.

@@ -50,10 +50,10 @@ def report_html(
 
     Args:
         title: such as the name of the scenario file.
-        command: that replays a scenario, without its number.
+        command: command that replays a scenario when its number is appended.
         summary: see `summary_rows`.
         rows: see `rows_of`.
-        pictures: of some scenarios without success.
+        pictures: pictures of some scenarios without success.
     """
     parts = [
         f"<h1>{html.escape(title)}</h1>",

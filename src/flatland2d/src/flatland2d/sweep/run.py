@@ -101,13 +101,13 @@ class SweepRun:
     the controller returns.
 
     Args:
-        simulation: at time 0.
+        simulation: the simulation to run, at time 0.
         settings: the sweep's settings.
         task: the robot's task.
         robot: the driven model; None for a world that runs by itself.
         goal: x, y [m]; None if there is none.
         shortest: length of the shortest path to the goal [m]; None if it is not known.
-        seed: the scenario's seed.
+        seed: seed of the robots' places and commands; see `Scenario`.
         parameters: of the scenario, by name.
         observers: called at each step.
 
@@ -253,7 +253,7 @@ class SweepRun:
         self.outcome = self.outcome or "returned"
 
     def metrics(self) -> Dict[str, Any]:
-        """The measured values so far, by the names in METRICS; docs/sweeps.md explains them."""
+        """The measured values so far, by the names in METRICS: see docs/reference/sweeps.md."""
         found: Dict[str, Any] = dict.fromkeys(METRICS)
         found["outcome"] = self.outcome
         found["time"] = now = round(self.simulation.time, 9)  # not 2.0300000000000002

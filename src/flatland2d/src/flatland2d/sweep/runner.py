@@ -58,11 +58,7 @@ class Result:
 
 
 class ScenarioRunner:
-    """Runs scenarios of a sweep, and keeps the worlds that it has read.
-
-    Args:
-        settings: the sweep's settings.
-    """
+    """Runs scenarios of a sweep, and keeps the worlds that it has read."""
 
     def __init__(self, settings: SweepSettings) -> None:
         self._settings = settings
@@ -72,10 +68,6 @@ class ScenarioRunner:
 
     def run(self, scenario: Scenario, *observers: RunObserver) -> Result:
         """Runs a scenario.
-
-        Args:
-            scenario: a scenario of the sweep.
-            observers: the observers of the run.
 
         Returns:
             The result; also if the controller raises an exception.
@@ -198,7 +190,7 @@ def _checked_columns(returned: Any, taken: Set[str]) -> Row:
     """The values that a controller has returned, by name.
 
     Args:
-        returned: by the controller.
+        returned: what the controller has returned.
         taken: names of other columns.
 
     Raises:

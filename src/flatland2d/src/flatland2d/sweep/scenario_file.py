@@ -1,4 +1,4 @@
-"""Reads scenario files; docs/sweeps.md describes them."""
+"""Reads scenario files; docs/reference/sweeps.md describes them."""
 
 from dataclasses import replace
 from itertools import product
@@ -25,9 +25,6 @@ _Named = TypeVar("_Named", SweepWorld, Controller)
 
 def read_scenario_file(path: Path) -> SweepSettings:
     """The content of a scenario file.
-
-    Args:
-        path: the file's path.
 
     Raises:
         YamlError: something in it is wrong; lists everything that was found.

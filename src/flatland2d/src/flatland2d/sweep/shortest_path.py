@@ -24,7 +24,7 @@ def shortest_path(
     up to a few per cent too long.
 
     Args:
-        simulation: at the start of the robot.
+        simulation: simulation with the robot at its start.
         robot: the driven model.
         goal: x, y [m].
         goal_radius: distance at which the goal is reached [m].

@@ -74,7 +74,7 @@ class Written(NamedTuple):
     example: Dict[str, Any]
     """The row of the first failed scenario with the most frequent reason; empty if none failed."""
     problems: List[str]
-    """Which files are not there, since a package is missing."""
+    """The files that are left out, since a package is missing."""
 
 
 class Sweep:
@@ -82,7 +82,7 @@ class Sweep:
 
     Args:
         settings: the content of the scenario file.
-        folder: of the results; it is made if it is not there.
+        folder: folder of the results; created if it does not exist.
 
     Attributes:
         scenarios: all of them.
@@ -149,8 +149,8 @@ class Sweep:
         """Writes the tables, the summary and the report of all scenarios, which must be done.
 
         Args:
-            pool: draws the pictures.
-            pictures: how many runs without success are drawn, at most.
+            pool: pool that draws the pictures.
+            pictures: greatest number of runs without success that are drawn.
             metrics: names in SUMMARISED, those of comparisons and of the tables and the figure for
                 papers.
 

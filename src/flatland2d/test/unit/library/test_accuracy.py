@@ -26,9 +26,7 @@ def load(*bodies, joints=(), step_size, iterations):
 
 
 @pytest.mark.parametrize(("speed", "loss"), [(1.0, 0.018), (4.0, 0.21)])
-def test_a_hinge_brakes_by_the_step_and_by_the_square_of_the_speed(
-    speed, loss, step_size, iterations
-):
+def test_a_hinge_loses_speed_with_step_size_and_speed_squared(speed, loss, step_size, iterations):
     anchors = [{"name": name, "anchor": [0, 0]} for name in ("fixed", "rod")]
     hinge = {"type": "revolute", "name": "hinge", "bodies": anchors}
     rod = {"name": "rod", "footprints": [{**ROD, "density": 10, "layers": []}]}

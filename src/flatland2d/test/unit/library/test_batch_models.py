@@ -60,7 +60,7 @@ def test_each_environment_is_a_simulation_with_its_models_there():
     assert any(row.collided.any() for row in rows)
 
 
-def test_only_those_that_are_reset_move():
+def test_only_environments_that_are_reset_move_their_models():
     content = crowded_room()
     places = np.zeros((2, 1, 3))
     places[:, 0] = [[1.0, 0, 0], [np.nan, 0, 0]]

@@ -58,7 +58,7 @@ def simulated(config, command, steps):
 
 
 @pytest.mark.parametrize("threads", [1, 2])
-def test_an_environment_is_a_simulation_of_the_world_with_these_walls(threads):
+def test_an_environment_equals_a_simulation_with_its_walls(threads):
     halves, config = (1.0, 2.0, 4.0), WorldConfig.from_content(WORLD)
     maps = [Walls(box(half)) for half in halves]
     actions = np.array([[1.0, 0.3]] * 4)

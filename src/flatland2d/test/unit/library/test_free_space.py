@@ -55,7 +55,7 @@ def test_distances_are_lower_bounds_up_to_the_farthest():
         assert max(0.0, exact - 0.08) <= grid.distance(x, y) <= max(0.0, exact) + 1e-12
 
 
-def test_what_walls_separate_is_left_out():
+def test_free_space_behind_walls_is_left_out():
     walls = np.concatenate([room(-5, 5), [[1.0, -5, 1.0, 5]]])
     grid = DistanceGrid(walls, (-2.0, 0.0), 0.5)
     space, rng = grid.free_space(0.3), np.random.default_rng(1)
@@ -74,7 +74,7 @@ def test_a_gap_counts_if_the_disc_fits_through():
     assert not grid.free_space(0.55).contains_point(3.0, 0.0)
 
 
-def test_without_walls_it_is_a_square_around_the_start_or_an_error():
+def test_without_walls_free_space_is_a_square_or_an_error():
     grid = DistanceGrid(np.empty((0, 4)), (100.0, 50.0), 0.5, open_reach=10.0)
     points = grid.free_space(0.3).poses(500, np.random.default_rng(1))[:, :2]
     assert np.abs(points - (100, 50)).max() == pytest.approx(10, abs=0.2)

@@ -125,7 +125,7 @@ class Actions:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_they_are_those_of_a_world_that_is_asked_before_each(make, seed):
+def test_planned_steps_equal_steps_with_hooks_asked_each_time(make, seed):
     planned, asked = make(), make()
     ours, theirs = Actions(seed), Actions(seed)
     rng = random.Random(seed)
@@ -144,7 +144,7 @@ def test_they_are_those_of_a_world_that_is_asked_before_each(make, seed):
             assert planned.save_state() == asked.save_state()
 
 
-def test_plugins_are_asked_when_one_is_due_or_something_has_come(make):
+def test_plugins_are_asked_when_one_is_due_or_an_input_has_come(make):
     sim = make()
     asked: List[int] = []
     step_up_to = sim._step_up_to
@@ -164,7 +164,7 @@ def test_plugins_are_asked_when_one_is_due_or_something_has_come(make):
     assert asked == [1]
 
 
-def test_they_end_with_the_simulation(make):
+def test_a_closed_simulation_makes_no_planned_steps(make):
     sim = make()
     sim.delete("robot")
     sim.step(2).close()
@@ -173,7 +173,7 @@ def test_they_end_with_the_simulation(make):
         sim.step()
 
 
-def test_each_of_them_is_recorded(make, tmp_path):
+def test_each_planned_step_is_recorded(make, tmp_path):
     rosbags = pytest.importorskip("rosbags.highlevel")
     sim = make()
     sim.delete("robot")

@@ -107,7 +107,7 @@ def test_a_saved_state_brings_its_numbers_back(world):
         assert facts(simulation) == before
 
 
-def test_environments_have_those_of_their_seeds(world):
+def test_environments_have_the_random_numbers_of_their_seeds(world):
     with SimulationBatch(world, 3, seed=5) as batch:
         observation = batch.step(np.zeros((3, 2)))
         for k in range(3):
@@ -121,7 +121,7 @@ def test_environments_have_those_of_their_seeds(world):
     assert not np.array_equal(poses[0], observation.poses[0])
 
 
-def test_a_content_is_drawn_likewise(world):
+def test_expressions_in_a_dict_are_drawn_by_the_seed_too(world):
     model = {
         "bodies": [
             {"name": "base", "footprints": [{"type": "circle", "radius": 0.2, "density": 1}]}

@@ -33,7 +33,7 @@ def test_time_passes_in_steps_alone(sim):
     assert sim.step(np.int64(3)).time == 0.02
 
 
-def test_poses_and_velocities_are_rows_in_the_order_of_the_models(sim):
+def test_poses_and_velocities_have_a_row_for_each_model(sim):
     sim.models["robot"].command(0.4)
     sim.step(2)
 
@@ -48,7 +48,7 @@ def test_poses_and_velocities_are_rows_in_the_order_of_the_models(sim):
         assert tuple(sim.models[name].velocity) == tuple(velocity)
 
 
-def test_arrays_are_the_callers(sim):
+def test_changing_a_returned_array_changes_no_simulation(sim):
     sim.poses[:] = 9.0
 
     assert sim.poses[0].tolist() == [0.0, 0.0, 0.5]

@@ -37,7 +37,7 @@ def test_nothing_is_computed_until_it_is_asked_for(sim, published):
     assert len(published) == 11
 
 
-def test_the_first_message_is_of_now_and_the_others_of_their_step(sim):
+def test_last_gives_the_present_first_and_then_the_last_step(sim):
     robot = sim.models["robot"]
     robot.command(0.5)
     assert sim.last("speed").data == 0.5
@@ -83,7 +83,7 @@ def test_the_last_command_counts_however_it_comes(sim):
     assert robot.velocity.vx == 0.5
 
 
-def test_an_exception_of_a_callback_is_raised_where_the_message_is_published(sim):
+def test_publish_raises_the_exception_of_a_callback(sim):
     with pytest.raises(PluginError, match="failed in its callback of command: ValueError: too fas"):
         sim.publish("/command", Float(10.0))
 

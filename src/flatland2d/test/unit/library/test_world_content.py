@@ -23,7 +23,7 @@ def test_the_content_gives_the_run_of_the_files():
     assert drive(config) == drive(config) == drive("office")
 
 
-def test_it_can_be_changed():
+def test_content_of_a_world_can_be_changed():
     content = world_content("test_room")
     content["models"][0]["pose"] = [1, 2, 0]
     with Simulation(content) as simulation:
@@ -71,7 +71,7 @@ def test_the_content_of_a_dict_has_no_files_left():
     assert len(world["models"]) == 1
 
 
-def test_what_is_missing_is_named(tmp_path):
+def test_missing_worlds_and_models_are_named(tmp_path):
     with pytest.raises(FlatlandError, match=r'no world is named "ofice" \(did you mean "office"'):
         world_content("ofice")
     (tmp_path / "world.yaml").write_text("models: [{name: a, model: b.yaml}]\nlayers: 3\n")
@@ -79,7 +79,7 @@ def test_what_is_missing_is_named(tmp_path):
         world_content(tmp_path / "world.yaml")
 
 
-def test_many_simulations_of_a_config_do_not_influence_each_other():
+def test_simulations_of_one_config_are_independent():
     config = WorldConfig.from_content(world_content("test_room"))
     with Simulation(config, seed=1) as a, Simulation(config, seed=1) as b:
         a.models["turtlebot"].command(0.5, 0.5)

@@ -82,7 +82,7 @@ def test_expressions_and_parameters_in_a_dict(world):
         assert sim.models["robot"].pose == (0.5, 0.25, 0.0)
 
 
-def test_what_happens_to_a_dict_later_does_not_matter(world):
+def test_later_changes_of_a_dict_do_not_matter(world):
     robot = {"bodies": [dict(BODY)], "plugins": list(ROBOT["plugins"])}
     sim = Simulation(world, loader=LOADER)
     sim.spawn(robot, "late", [-1, 0, 0])
@@ -106,7 +106,7 @@ def test_what_happens_to_a_dict_later_does_not_matter(world):
         ({"models": [{"name": "a", "model": {}}]}, r"models\[0\].model: the required key"),
     ],
 )
-def test_what_is_wrong_in_a_dict_is_named_by_its_place(change, message):
+def test_a_problem_in_a_dict_is_named_by_its_place(change, message):
     with pytest.raises(FlatlandError, match=message):
         Simulation({"properties": {}, "layers": [], **change})
 
@@ -121,7 +121,7 @@ def test_a_wrong_model_changes_nothing(sim):
 
 
 @pytest.mark.parametrize("source", [None, 3, ["office"]])
-def test_what_is_no_world_is_refused(source):
+def test_values_that_are_no_world_are_refused(source):
     with pytest.raises(UsageError, match="expected the name of a world, the path of a world file"):
         Simulation(source)
 

@@ -101,7 +101,7 @@ def test_wrong_options_are_refused(options, message):
 
 
 @pytest.mark.parametrize("topics", [5, [5]])
-def test_topics_are_names(topics):
+def test_topics_that_are_no_names_are_refused(topics):
     with pytest.raises(UsageError, match=r"expected (topics|the name of) .*, found 5"):
         Simulation("office", topics=topics)
 

@@ -1,4 +1,4 @@
-"""What notebooks show: animations, batches and environments."""
+"""Notebooks show animations, batches and environments."""
 
 import io
 

@@ -116,7 +116,7 @@ def test_a_picture_follows_a_model(simulation):
         assert np.ptp(discs[:, 1]) == pytest.approx(100, abs=4)
 
 
-def test_equal_worlds_give_equal_pictures_whatever_was_drawn_before(simulation):
+def test_pictures_do_not_depend_on_earlier_pictures(simulation):
     used = Renderer(simulation.world)
     for x in np.linspace(-1, 2, 4):
         simulation.world.move_model("disc", Pose(x, 1, 0))
@@ -124,7 +124,7 @@ def test_equal_worlds_give_equal_pictures_whatever_was_drawn_before(simulation):
             assert used.image(view) == Renderer(simulation.world).image(view)
 
 
-def test_what_does_not_move_is_drawn_once(simulation, monkeypatch):
+def test_walls_are_drawn_once_for_all_pictures(simulation, monkeypatch):
     renderer = Renderer(simulation.world)
     drawn = []
     draw = rendering.scene.draw_walls

@@ -48,7 +48,7 @@ def test_mcnemars_test_is_binomial_in_the_pairs_that_differ():
     assert (found.pairs, found.mean, found.other_mean) == (17, 16 / 17, 11 / 17)
 
 
-def test_the_test_for_worse_is_one_sided_and_knows_the_better_side():
+def test_the_test_for_worse_is_one_sided_in_the_right_direction():
     fewer, more = runs("success", [False] * 5), runs("success", [True] * 5)
 
     assert compare(fewer, more, "success", worse=True).p == pytest.approx(0.5**5)
@@ -87,7 +87,7 @@ def test_runs_without_a_pair_are_not_compared():
     assert math.isnan(found.mean)
 
 
-def test_the_bootstrap_interval_contains_the_difference_as_a_normal_one_does():
+def test_the_bootstrap_interval_agrees_with_the_normal_one():
     rng = np.random.default_rng(1)
     base = rng.uniform(5, 9, 200)
     slower = runs("time_to_goal", (base + rng.normal(0.5, 0.2, 200)).tolist())
@@ -172,7 +172,7 @@ def test_the_gate_catches_ten_per_cent_less_success():
     ]
 
 
-def test_a_change_within_the_tolerance_is_none():
+def test_a_change_within_the_tolerance_is_no_regression():
     before, now = rows("a", noisy(1.0, 0)), rows("a", [1.005 * t for t in noisy(1.0, 0)])
 
     assert not any(each.is_regression for each in verdicts(now, before, 0.01))
@@ -193,7 +193,7 @@ def test_a_baseline_of_other_tasks_is_an_error():
         verdicts(rows("a", [1.0]), rows("b", [1.0]), 0.01)
 
 
-def test_a_baseline_that_lacks_scenarios_is_an_error_that_names_them():
+def test_the_error_for_an_incomplete_baseline_names_scenarios():
     with pytest.raises(FlatlandError, match="for 3 of 5: 3, 4, 5; make a new baseline"):
         verdicts(rows("a", [1.0] * 5), rows("a", [1.0] * 2), 0.01)
 
@@ -337,7 +337,7 @@ def test_numbers_of_a_metric_have_equally_many_decimals():
     assert "mine & 2e$-$06 &  \\\\\n & {\\scriptsize [$-$3e$-$06, 7e$-$06]} &" in latex
 
 
-def test_bold_are_the_best_and_those_that_are_not_significantly_worse():
+def test_the_best_and_those_not_significantly_worse_are_bold():
     times = {
         "slow": [2.0 + 0.01 * k for k in range(8)],
         "even": [1.0] * 8,

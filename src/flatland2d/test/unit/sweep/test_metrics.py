@@ -111,7 +111,7 @@ def test_a_given_path_and_speed_give_the_score_of_barn(settings_of):
     assert row["barn_score"] == pytest.approx(0.5 / row["time"])
 
 
-def test_what_a_robot_has_hit_first(settings_of):
+def test_a_collision_names_the_thing_that_was_hit(settings_of):
     row = result_of(settings_of(controllers=AHEAD, start="[2.5, 0, 0]", goal=None, time_limit=10))
 
     assert (row["collision"], row["collision_with"]) == (True, "walls")
@@ -154,7 +154,9 @@ plugins:
         (None, 0.0, None, (None, None)),
     ],
 )
-def test_who_has_walked_into_whom(folder, settings_of, goal, speed, fault, speeds):
+def test_a_collision_is_attributed_to_robot_or_person(
+    folder, settings_of, goal, speed, fault, speeds
+):
     if goal:
         with (folder / "world.yaml").open("a") as world:
             world.write(MEETING.replace("GOAL", goal))
@@ -224,7 +226,7 @@ def test_the_time_in_the_hull_of_a_group(folder, settings_of):
 
 
 @pytest.mark.parametrize(("y", "hit"), [(0.0, "people_0"), (2.0, "box")])
-def test_whether_a_person_was_hit(folder, settings_of, y, hit):
+def test_person_collision_tells_whether_a_person_was_hit(folder, settings_of, y, hit):
     with (folder / "world.yaml").open("a") as world:
         world.write(CROWD.replace("-1, 0", "0, 0"))
 

@@ -165,7 +165,7 @@ def test_a_controller_that_fails_is_a_result_with_the_reason(folder, settings_of
     assert message in result.error
 
 
-def test_a_controller_may_end_the_run_step_without_end_and_return_values(folder, settings_of):
+def test_a_controller_may_return_values_or_step_without_end(folder, settings_of):
     (folder / "both.py").write_text(
         "import numpy\n"
         "def returns(run):\n"

@@ -28,7 +28,7 @@ def test_worlds_may_be_names_and_maps(settings_of):
     assert [each.task.goal_radius for each in settings.worlds][1:] == [0.5, 0.3]
 
 
-def test_scenarios_are_ordered_by_world_controller_parameters_seed(settings_of):
+def test_the_order_is_world_controller_parameters_seed(settings_of):
     settings = settings_of(
         worlds="[office, world.yaml]",
         controllers='[{name: a, call: "drivers.py:ahead"}, {name: none}]',
@@ -70,7 +70,7 @@ def test_a_world_has_a_task_of_its_own_or_that_of_the_file(settings_of):
     assert (b.start, b.goal, b.goal_distance) == (Pose(0, 0, 1), (1.0, 2.0), (1.0, 3.0))
 
 
-def test_a_shipped_scene_has_its_goal_unless_the_file_gives_another_one(settings_of):
+def test_a_shipped_scene_has_its_own_goal_by_default(settings_of):
     scenes = "[crossing, {name: other, world: circle_crossing, goal: [1, 2]}, office]"
     of_the_file = settings_of(worlds="[crossing]").worlds[0].task.goal
     settings = settings_of(worlds=scenes, goal=None)
@@ -80,7 +80,7 @@ def test_a_shipped_scene_has_its_goal_unless_the_file_gives_another_one(settings
 
 
 @pytest.mark.parametrize("call", ["drivers:gaps", "orca:orca"])
-def test_a_controller_that_drives_to_goals_is_refused_without_one(settings_of, call):
+def test_a_controller_that_needs_a_goal_is_refused_without_one(settings_of, call):
     controllers = f'[{{name: gaps, call: "flatland2d.sweep.{call}"}}]'
     with pytest.raises(YamlError, match='goal in world "office", to which the controller "gaps"'):
         settings_of(worlds="[office, crossing]", goal=None, controllers=controllers)
@@ -121,7 +121,7 @@ def test_expressions_and_includes_are_resolved(folder, settings_of):
         ({"step_size": "0"}, "a number above 0"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(settings_of, keys, message):
+def test_problems_are_reported_with_their_place(settings_of, keys, message):
     with pytest.raises(YamlError) as error:
         settings_of(**keys)
 
@@ -142,7 +142,7 @@ def test_what_is_wrong_is_told_with_its_place(settings_of, keys, message):
         ({"parameters": "{models.robot.plugins.lasr.range: 2}"}, 'did you mean "laser"?'),
     ],
 )
-def test_controllers_and_places_are_checked_before_the_first_scenario(settings_of, keys, message):
+def test_controllers_and_paths_are_checked_before_any_scenario(settings_of, keys, message):
     with pytest.raises(FlatlandError) as error:
         Fingerprints(settings_of(**keys))
 
@@ -150,7 +150,7 @@ def test_controllers_and_places_are_checked_before_the_first_scenario(settings_o
 
 
 @pytest.mark.parametrize("key", ["/a", "x"])
-def test_aliases_of_aliases_are_refused_before_they_are_written_out(settings_of, key):
+def test_an_alias_bomb_is_refused_before_it_is_expanded(settings_of, key):
     begin = time.process_time()
     with pytest.raises(YamlError) as error:
         settings_of(laughs="1\n" + LAUGHS, parameters=f"{{{key}: *a8}}")
@@ -225,9 +225,7 @@ def test_a_fingerprint_covers_recorded_people(folder, settings_of, monkeypatch, 
     assert fingerprint("0 1 0 0.1") != first
 
 
-def test_a_fingerprint_covers_the_files_that_its_parameters_choose(
-    folder, settings_of, monkeypatch
-):
+def test_a_fingerprint_covers_files_chosen_by_parameters(folder, settings_of, monkeypatch):
     for name in ("crate.model.yaml", "case.model.yaml"):
         (folder / name).write_text((folder / "box.model.yaml").read_text())
     (folder / "hall.yaml").write_text((folder / "walls.yaml").read_text().replace("walls", "hall"))

@@ -143,7 +143,7 @@ def test_workers_that_do_not_start_are_an_error(settings_of, capsys, monkeypatch
     assert "flatland: worker processes do not start: " in capsys.readouterr().err
 
 
-def test_scenarios_that_crash_hang_or_raise_are_rows_with_the_reason(settings_of, capsys):
+def test_scenarios_that_crash_hang_or_raise_have_a_reason(settings_of, capsys):
     names = ("dies", "hangs", "fails", "towards")
     entries = ", ".join(f'{{name: {name}, call: "drivers.py:{name}"}}' for name in names)
     once = '{name: once, call: "drivers.py:dies_once", arguments: {mark: mark}}'
@@ -302,7 +302,7 @@ def test_without_ray_it_is_told_what_to_install(settings_of, capsys):
     assert "flatland: --ray needs Ray: pip install '.[ray]'" in said
 
 
-def test_what_ray_calls_finds_the_files_where_ray_has_put_them(folder, settings_of):
+def test_a_ray_worker_finds_the_files_in_its_working_directory(folder, settings_of):
     """On another machine, where the working directory is a copy of the folder."""
     settings = settings_of(seeds=1, controllers='[{name: a, call: "drivers.py:ahead"}]')
     [scenario] = scenarios_of(settings)
@@ -332,7 +332,7 @@ def test_a_worker_ends_with_a_parent_that_was_killed(settings_of, controller):
     wait_until(lambda: not any(map(is_running, children)), "the workers to end", LIMIT)
 
 
-def test_a_controller_that_forks_answers_once_and_leaves_no_process(settings_of):
+def test_a_forking_controller_answers_once_and_leaves_no_process(settings_of):
     names = ("towards", "forks", "forges")
     settings_of(**QUICK, controllers=", ".join(map(call, names)).join("[]"), seeds=8)
 
@@ -346,7 +346,7 @@ def test_a_controller_that_forks_answers_once_and_leaves_no_process(settings_of)
     wait_until(lambda: not any(map(is_running, staying())), "the programs to end", LIMIT)
 
 
-def test_answers_of_others_are_refused(settings_of, capsys):
+def test_answers_forged_by_other_processes_are_refused(settings_of, capsys):
     settings_of(**QUICK, controllers=call("forges").join("[]"), seeds=1)
 
     assert main(["sweep", "scenarios.yaml", "--out", "out", "--jobs", "1"]) == 0

@@ -1,4 +1,4 @@
-"""docs/sweeps.md: its files and commands work, and its tables are complete."""
+"""The files and commands of docs/sweeps.md work; its tables and the reference's are complete."""
 
 import re
 import shlex
@@ -11,6 +11,7 @@ from flatland2d.sweep.run import METRICS, SweepRun
 
 ROOT = Path(__file__).resolve().parents[5]
 PAGE = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
+REFERENCE = (ROOT / "docs" / "reference" / "sweeps.md").read_text(encoding="utf-8")
 FILES = re.findall(r"```\w+\n# file: (\S+)\n(.*?)```", PAGE, re.DOTALL)
 COMMANDS = [
     line
@@ -46,20 +47,20 @@ def test_the_files_and_commands_work(tmp_path, monkeypatch, capsys):
     ]
 
 
-def test_the_page_has_all_arguments(capsys):
+def test_the_reference_has_all_arguments(capsys):
     with pytest.raises(SystemExit):
         main(["sweep", "--help"])
     options = set(re.findall(r"--[a-z][a-z-]+", capsys.readouterr().out)) - {"--help"}
 
-    assert options == set(re.findall(r"^\| `(--[a-z-]+)", PAGE, re.MULTILINE))
+    assert options == set(re.findall(r"^\| `(--[a-z-]+)", REFERENCE, re.MULTILINE))
 
 
-def test_the_page_has_all_keys_columns_and_attributes():
+def test_the_pages_have_all_keys_columns_and_attributes():
     reader = (ROOT / "src/flatland2d/src/flatland2d/sweep/scenario_file.py").read_text()
     keys = set(re.findall(r'get_\w+\(\s*"(\w+)"|_place\(reader, "(\w+)"', reader))
     names = {a or b for a, b in keys} | set(METRICS) | {"worlds", "controllers", "parameters"}
     attributes = [name for name in dir(SweepRun) if not name.startswith("_")]
     of_the_command = {"end", "metrics"}
 
-    assert [name for name in sorted(names) if f"`{name}`" not in PAGE and name not in PAGE] == []
+    assert [name for name in sorted(names) if name not in REFERENCE] == []
     assert [n for n in attributes if f"`run.{n}" not in PAGE and n not in of_the_command] == []

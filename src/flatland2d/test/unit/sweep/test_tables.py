@@ -65,7 +65,7 @@ def test_a_column_has_the_type_that_fits(values, kind):
     assert column("name", values).type == kind
 
 
-def test_what_csv_says_can_be_read_back():
+def test_csv_can_be_read_back():
     rows = [{"a": 0.1 + 0.2, "b": True, "c": None, "d": 'x, "y"'}, {"a": math.inf, "b": False}]
 
     content = csv_bytes(table_of(rows)).decode()

@@ -104,11 +104,7 @@ class Ros2Node:
         self._has_warned = False  # of another node of this name
 
     def serve(self, graph: Graph) -> None:
-        """Shows a graph from now on.
-
-        Args:
-            graph: the topics and services.
-        """
+        """Shows a graph from now on."""
         self._graph = graph
         self._services = Services(self.node, graph, self._types, self._missing)
         self._follow_graph()

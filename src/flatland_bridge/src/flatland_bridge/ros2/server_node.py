@@ -109,7 +109,7 @@ class Parameters:
     """The parameters of the node: declared as they are read, of any type.
 
     Args:
-        node: has declared those that it was given.
+        node: the node; it has declared the parameters given on its command line.
     """
 
     def __init__(self, node: Node) -> None:
@@ -121,7 +121,7 @@ class Parameters:
 
         Args:
             name: such as "~seed", or a global one, which ROS 2 does not have.
-            default: if it was not given.
+            default: value if it was not given.
         """
         if not name.startswith("~"):
             return default

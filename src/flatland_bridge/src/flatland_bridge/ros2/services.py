@@ -27,9 +27,9 @@ class Services:
     """Offers all services of a graph, and the action that ROS 2 has besides.
 
     Args:
-        node: offers them.
-        graph: has them.
-        types: of ROS 2.
+        node: node of ROS 2 that offers the services.
+        graph: graph with the services.
+        types: the types of this ROS 2.
         missing: gets the names of services of types that this ROS 2 does not have, by package.
     """
 

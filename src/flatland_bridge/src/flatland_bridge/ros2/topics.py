@@ -67,9 +67,9 @@ class Output:
     """Publishes a topic of a graph, to which it subscribes while there are subscribers.
 
     Args:
-        node: publishes it.
-        graph: has the topic.
-        key: the topic.
+        node: node of ROS 2 that publishes the topic.
+        graph: graph with the topic.
+        key: name and type of the topic.
         types: makes rclpy's class, and converts.
         wake: called when there is something to send.
     """
@@ -140,8 +140,8 @@ class Input:
     """Receives messages for a graph's topic.
 
     Args:
-        node: subscribes to it.
-        graph: has the topic.
+        node: node of ROS 2 that subscribes to the topic.
+        graph: graph with the topic.
         key: the topic, with the type that it has in ROS 2.
         types: makes rclpy's class, and converts.
         budget: counts what waits for the simulation.

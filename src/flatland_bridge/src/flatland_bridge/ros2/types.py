@@ -20,11 +20,7 @@ from flatland_server.messages.wire_form import serialized
 
 
 class MissingType(BridgeError):
-    """This ROS 2 has no such type.
-
-    Args:
-        name: of the type.
-    """
+    """This ROS 2 has no such type."""
 
     def __init__(self, name: str) -> None:
         super().__init__(f"this ROS 2 has no {name}")
@@ -80,7 +76,7 @@ def interface(name: str, folder: str) -> Any:
     """A class of rclpy.
 
     Args:
-        name: of the type, such as "sensor_msgs/LaserScan".
+        name: name of the type, such as "sensor_msgs/LaserScan".
         folder: "msg", "srv" or "action".
 
     Raises:

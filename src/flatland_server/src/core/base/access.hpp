@@ -9,23 +9,24 @@ namespace flatland {
 
 class AccessGuard;
 
-/// Base of an object that is used by one thread at a time, marked by an AccessGuard. A callback of
-/// the object may use it within the guard, but must not take another one.
+/// Base of an object that only one thread at a time may use. An AccessGuard marks the use. A
+/// callback that the object makes runs within that guard: it may use the object, but must not
+/// create another guard.
 class Access {
  public:
   using AccessGuard = flatland::AccessGuard;
 
-  /// Throws std::logic_error if the object is in use, except for a callback on this thread.
+  /// Throws std::logic_error if the object is in use, unless this is called within its callback.
   void RequireAccess() const {
     if (is_in_use_ && !IsInCallback()) Refuse();
   }
-  /// Throws std::logic_error if the object is in use, also for a callback.
+  /// Throws std::logic_error if the object is in use, also within a callback.
   void RequireIdle() const {
     if (is_in_use_) Refuse();
   }
   /// True if this thread is within a callback.
   bool IsInCallback() const { return callback_thread_ == std::this_thread::get_id(); }
-  /// Calls back on this thread.
+  /// Calls `callback`, during which RequireAccess accepts this thread.
   template <class Callback>
   void CallBack(Callback callback) {
     callback_thread_ = std::this_thread::get_id();

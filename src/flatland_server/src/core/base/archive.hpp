@@ -57,7 +57,7 @@ class Writer : public Archive<Writer> {
   void Number(Value& value) {
     bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
   }
-  /// Writes a value that a reader must find to be the same; `what` is for its error message.
+  /// Writes a value. A Reader throws unless it finds the same one; `what` names it in the message.
   void Same(uint32_t value, const char*) { Number(value); }
 
   std::string bytes() && { return std::move(bytes_); }

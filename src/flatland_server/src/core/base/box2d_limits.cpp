@@ -25,7 +25,7 @@ bool HasHull(const std::vector<b2Vec2>& vertices) {
     }
     if (is_new) corners.push_back(vertex);
   }
-  // Above b2_epsilon; and the area of a sliver must exceed its rounding error [m^2].
+  // [m^2]: above b2_epsilon, and above the rounding error in the area of a long, thin triangle.
   const float least_area = std::max(1e-6f, 1e-5f * longest_squared);
   for (size_t i = 0; i + 2 < corners.size(); ++i) {
     for (size_t j = i + 1; j + 1 < corners.size(); ++j) {

@@ -57,18 +57,18 @@ struct Rotation {
   double sin;
 };
 
-/// A pose in the frame of `outer`, in the frame of which `outer` is given.
+/// Transforms `inner`, which is given in the frame of `outer`, to the parent frame of `outer`.
 inline Pose Compose(const Pose& outer, const Pose& inner) {
   const double cos = std::cos(outer.yaw), sin = std::sin(outer.yaw);
   return {outer.x + cos * inner.x - sin * inner.y, outer.y + sin * inner.x + cos * inner.y,
           outer.yaw + inner.yaw};
 }
-/// The frame that a pose is given in, in the frame of the pose.
+/// The inverse transform: the pose of the parent frame in the frame of `pose`.
 inline Pose Inverse(const Pose& pose) {
   const double cos = std::cos(pose.yaw), sin = std::sin(pose.yaw);
   return {-cos * pose.x - sin * pose.y, sin * pose.x - cos * pose.y, -pose.yaw};
 }
-/// The angle within [-pi, pi]. Most are there already, and std::remainder is slow.
+/// The angle wrapped to [-pi, pi]. std::remainder is slow, and most angles do not need it.
 inline double WrappedAngle(double angle) {
   return std::abs(angle) <= M_PI ? angle : std::remainder(angle, 2.0 * M_PI);
 }

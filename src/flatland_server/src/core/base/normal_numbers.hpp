@@ -46,7 +46,7 @@ class NormalNumbers {
     return numerator / denominator;
   }
 
-  /// The number below which a standard normal one is with this probability.
+  /// The quantile of the standard normal distribution: the inverse of its distribution function.
   static double Quantile(double probability) {
     constexpr double kA[] = {3.3871327179, 50.434271938, 159.29113202, 59.109374720};
     constexpr double kB[] = {1.0, 17.895169469, 78.757757664, 67.187563600};

@@ -26,7 +26,7 @@ class ThreadTeam {
   ThreadTeam& operator=(const ThreadTeam&) = delete;
 
   int size() const { return size_; }
-  /// The first of `count` items that thread `i` has; thread `size()` would begin at `count`.
+  /// Index of the first of `count` items that thread `i` works on; `count` for i = size().
   int Begin(int i, int count) const {
     return static_cast<int>(static_cast<long long>(count) * i / size_);
   }
@@ -35,14 +35,14 @@ class ThreadTeam {
   void Run(const std::function<void(int)>& work);
 
  private:
-  /// The threads' common state. A child process leaves that of its parent alone.
+  /// State shared by the threads. A forked child process does not touch that of its parent.
   struct Shared {
     std::mutex mutex;  // guards the members below
     std::condition_variable wake;
     std::condition_variable done;
     const std::function<void(int)>* work = nullptr;
     int run = 0;      // incremented by each Run
-    int working = 0;  // threads that have not finished it
+    int working = 0;  // threads that have not finished this run
     bool ends = false;
     std::vector<std::thread> threads;
   };
@@ -53,7 +53,7 @@ class ThreadTeam {
 
   int size_;
   Shared* shared_ = nullptr;
-  int process_ = 0;  // that has started the threads
+  int process_ = 0;  // id of the process that started the threads
 };
 
 }  // namespace flatland

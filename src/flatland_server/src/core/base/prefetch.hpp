@@ -1,14 +1,14 @@
 #pragma once
 
-/// Tells the processor to fetch memory, while it does something else. Environments are stepped one
-/// after the other, and what each has for itself comes from a far cache; it takes long to wait for
-/// it whenever it is used.
+/// Prefetches memory into the cache. A batch steps its environments one after the other, and the
+/// state of each is only in a distant cache by then. Prefetching the next one meanwhile saves the
+/// waiting.
 
 #include <cstddef>
 
 namespace flatland {
 
-/// Into the second-level cache: the first one can wait for few lines at a time.
+/// Prefetches into the second-level cache: the first level can wait for only a few lines at a time.
 inline void PrefetchBytes(const void* begin, size_t size) {
   constexpr size_t kCacheLine = 64;
   constexpr int kToRead = 0, kSecondLevel = 2;
@@ -24,7 +24,7 @@ void PrefetchObject(const T& object) {
   PrefetchBytes(&object, sizeof object);
 }
 
-/// The elements of an array.
+/// Prefetches the elements of an array.
 template <class Array>
 void PrefetchElements(const Array& array) {
   PrefetchBytes(array.data(), array.size() * sizeof(array[0]));

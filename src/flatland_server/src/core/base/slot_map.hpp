@@ -3,9 +3,10 @@
 /// A container of objects that are named by handles, which may outlive the objects.
 ///
 /// Python code may keep a reference to a body that has been removed, and that Box2D has freed. So
-/// code outside the core holds no pointers but Handles: the index of a slot, and the slot's
-/// generation when the handle was made. Removing the object increments the generation. The use of
-/// an outdated handle is recognised by that, and throws GoneError instead of crashing.
+/// code outside the core holds Handles instead of pointers. A handle has the index of a slot, and
+/// the slot's generation when the handle was made. Removing the object increments the generation.
+/// An outdated handle is recognised by its old generation: using it throws GoneError instead of
+/// crashing.
 
 #include <cstdint>
 #include <stdexcept>
@@ -66,7 +67,7 @@ class SlotMap {
   Handle<T> HandleAt(uint32_t index) const { return {index, slots_[index].generation}; }
 
   size_t size() const { return slots_.size() - free_.size(); }
-  /// The indices of handles are below it.
+  /// Number of slots; the index of every handle is below it.
   size_t slot_count() const { return slots_.size(); }
 
   bool Contains(Handle<T> handle) const {

@@ -5,8 +5,9 @@
 
 namespace flatland {
 
-// A joint would react to a whole rotation that only one of its bodies makes. A rotation by half a
-// turn either way, up to rounding, is applied as given.
+// Joints compare the angles of their bodies, and would react if only one of them made a whole
+// rotation. So a rotation of more than half a turn is replaced by the equivalent one of less. Half
+// a turn itself, up to rounding, keeps its direction.
 void Place(b2Body& body, const Pose& pose) {
   constexpr double kRoundingMargin = 1e-3;  // [rad]
   double rotation = pose.yaw - body.GetAngle();

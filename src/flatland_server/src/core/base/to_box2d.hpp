@@ -33,9 +33,9 @@ void AddRotations(b2Body& body, float count);
 /// Wakes the bodies that a static body may touch; Box2D does not do so.
 void WakeBodiesNear(const b2Body& body);
 
-/// Sets the velocity of a body's origin, in the world's frame. Box2D stores that of the centre of
-/// mass, which most bodies have at their origin: the sum below is then the velocity itself, but
-/// perhaps for the sign of -0.
+/// Sets the velocity of a body's origin, in the world's frame. Box2D stores the velocity of the
+/// centre of mass. Most bodies have it at their origin; then the sum below equals the velocity,
+/// except perhaps for the sign of a zero.
 inline void SetOriginVelocity(b2Body& body, const Twist& velocity) {
   Vec2 linear{velocity.vx, velocity.vy};
   const b2Vec2 center = body.GetLocalCenter();

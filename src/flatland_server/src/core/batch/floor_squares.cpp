@@ -8,8 +8,9 @@ namespace {
 
 constexpr double kFullTurn = 2.0 * M_PI;
 
-/// A whole number below a limit above 0: D. Lemire, "Fast Random Integer Generation in an
-/// Interval", ACM Transactions on Modeling and Computer Simulation 29, 2019.
+/// A uniformly distributed integer from 0 to limit - 1, for a limit above 0: D. Lemire, "Fast
+/// Random Integer Generation in an Interval", ACM Transactions on Modeling and Computer Simulation
+/// 29, 2019.
 uint32_t DrawBelow(uint32_t limit, const NumberSource& numbers) {
   if (limit == 1) return 0;  // draws nothing
   uint64_t product;
@@ -23,14 +24,14 @@ uint32_t DrawBelow(uint32_t limit, const NumberSource& numbers) {
 bool IsClear(Vec2 middle, double radius, const std::vector<Disc>& others) {
   return std::all_of(others.begin(), others.end(), [&](const Disc& other) {
     const Vec2 way = middle - other.middle;
-    const double least = radius + other.radius;  // most are as far along one axis already
+    const double least = radius + other.radius;  // most are this far apart along one axis
     return std::abs(way.x) > least || std::abs(way.y) > least || std::hypot(way.x, way.y) > least;
   });
 }
 
 double DrawHeading(const NumberSource& numbers) { return kFullTurn * numbers.Draw() - M_PI; }
 
-/// Those of `count` squares that are within `reach` of two coordinates, or between them.
+/// Along one axis: the squares, of `count`, that are between a and b or within `reach` of them.
 struct Span {
   Span(double a, double b, double reach, double side, int64_t count)
       : begin(Within(std::floor((std::min(a, b) - reach) / side), count)),
@@ -48,7 +49,7 @@ void LowerToWalls(const std::vector<Segment>& walls, double reach, Vec2 corner, 
                   int64_t rows, int64_t columns, double* squares) {
   for (const Segment& wall : walls) {
     const Vec2 along = wall.b - wall.a, offset = corner - wall.a;
-    // As Python's `**`, which may differ from a product in the last bit.
+    // Like Python's `**`, which may differ from a product in the last bit.
     const double square = std::pow(along.x, 2.0) + std::pow(along.y, 2.0);
     const Vec2 scaled = square > 0.0 ? Vec2{along.x / square, along.y / square} : Vec2{};
     const Span xs(wall.a.x - corner.x, wall.b.x - corner.x, reach, side, columns);

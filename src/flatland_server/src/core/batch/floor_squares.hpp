@@ -13,15 +13,16 @@
 
 namespace flatland {
 
-/// Lowers numbers of squares, rows of `columns` each, to the squared distances [m^2] of their
-/// middles from walls; only near the walls, within `reach` [m] of the rectangles around them at
-/// least. `corner`: of the first square [m]; `side`: of a square [m].
+/// Updates `squares` (`rows` x `columns`), which has the least squared distance [m^2] from a wall
+/// found so far for the middle of each square, with more walls. For each wall this covers the
+/// squares within `reach` [m] of its bounding rectangle, and perhaps some more. `corner`: of the
+/// first square [m]; `side`: of a square [m].
 void LowerToWalls(const std::vector<Segment>& walls, double reach, Vec2 corner, double side,
                   int64_t rows, int64_t columns, double* squares);
 
-/// Marks those free squares that are connected with one through shared sides: none if it is not
-/// free; or, if `start` is negative, the largest part that is connected. `reached` is false
-/// everywhere at first. All are `rows` x `columns`.
+/// Marks in `reached` the free squares that are connected with square `start` through shared sides;
+/// none if `start` is not free. If `start` is negative, marks the largest connected part. `reached`
+/// must be false everywhere before the call. Both arrays are `rows` x `columns`.
 void MarkConnected(const bool* free, int64_t rows, int64_t columns, int64_t start, bool* reached);
 
 /// A generator of random numbers: NumPy's bitgen_t.
@@ -48,35 +49,37 @@ struct Ends {
   Vec2 start, goal;  // [m]
 };
 
-/// What ends are drawn from.
+/// Settings for drawing a start and a goal.
 struct EndsSettings {
-  std::optional<Vec2> start, goal;        ///< those that are given
-  double least, largest;                  ///< distance of the two [m]
+  std::optional<Vec2> start, goal;        ///< not drawn if given [m]
+  double least, largest;                  ///< distance between start and goal [m]
   double radius;                          ///< of the robot [m]
-  std::vector<Disc> at_starts, at_goals;  ///< that it must not overlap there
+  std::vector<Disc> at_starts, at_goals;  ///< discs that the robot must not overlap there
 };
 
 class FloorSquares {
  public:
-  /// Those of `rows` x `columns` squares that are true. `corner`: of the first one [m]; `side`: of
-  /// a square [m].
+  /// The squares for which `squares` (`rows` x `columns`) is true. `corner`: of the first one [m];
+  /// `side`: of a square [m].
   FloorSquares(const bool* squares, int rows, int columns, Vec2 corner, double side);
 
   size_t size() const { return before_.back(); }
   bool Contains(Vec2 point) const;
-  /// Whether the middles of `cells` x `cells` squares of the same size about a pose, in its frame,
-  /// are in one of these: row by row from behind, each from right to left.
+  /// Writes a crop of `cells` x `cells` squares of the same size, centred at `pose` and turned with
+  /// it: true if the middle of a square is in one of these squares. Rows go from behind to ahead,
+  /// each from right to left.
   void Crop(const Pose& pose, int cells, bool* crop) const;
-  /// A point in one of the squares, of which there must be one.
+  /// A uniformly distributed point in the squares. There must be at least one square.
   Vec2 Draw(const NumberSource& numbers) const;
-  /// Poses of `count` discs of a radius [m], drawn one after the other: the first of some points at
-  /// which it is farther than `distance` [m] from the edges of others, and of those before it; none
-  /// after all `tries`.
+  /// Draws poses for `count` discs of a radius [m], one after the other. A disc gets the first of
+  /// at most `tries` points that is farther than `distance` [m] from the edges of `others` and of
+  /// the discs before it, or no pose.
   std::vector<std::optional<Pose>> DrawClear(const NumberSource& numbers, std::vector<Disc> others,
                                              double radius, double distance, int count,
                                              int tries) const;
-  /// The first of some drawn ends that are in these squares, as far apart as they should be, and
-  /// clear of others; none after all `tries`. Given ones are not checked.
+  /// Draws a start and a goal up to `tries` times. Returns the first two that are in these squares,
+  /// at the required distance and clear of the other discs, or none. A given start or goal is not
+  /// checked.
   std::optional<Ends> DrawEnds(const NumberSource& numbers, const EndsSettings& settings,
                                int tries) const;
 
@@ -89,8 +92,8 @@ class FloorSquares {
 
   int rows_, columns_;
   int words_;                     // of a row
-  std::vector<uint64_t> bits_;    // a map may have many floors: a bit a square
-  std::vector<uint32_t> before_;  // the number of squares before each row, and of all
+  std::vector<uint64_t> bits_;    // one bit a square, since a map may have many floors
+  std::vector<uint32_t> before_;  // the number of squares before each row, and last of all squares
   Vec2 corner_;
   double side_;
 };

@@ -5,8 +5,8 @@
 #include <functional>
 #include <utility>
 
+#include "base/box2d_internals.hpp"
 #include "base/box2d_limits.hpp"
-#include "world/box2d_internals.hpp"
 #include "world/layers.hpp"
 
 namespace flatland {
@@ -18,7 +18,7 @@ std::byte* BytesOf(void* object) { return static_cast<std::byte*>(object); }
 
 SharedWorld::SharedWorld(std::unique_ptr<World> world, const std::vector<World::Body>& moved)
     : world_(std::move(world)) {
-  for (const World::Body& body : moved) world_->bodies_.LetMove(body);
+  for (const World::Body& body : moved) world_->bodies_.AllowMotion(body);
   beginning_ = WorldState::Of(*world_);
   WorldState::Clear(*world_);
   CollectRanges();
@@ -31,7 +31,8 @@ SharedWorld::SharedWorld(std::unique_ptr<World> world, const std::vector<World::
 void SharedWorld::CollectRanges() {
   b2World& box2d_world = *world_->world_;
   b2ContactManager& contacts = box2d::Contacts(box2d_world);
-  // The bodies of walls are before this one in Box2D's list, and so it alone knows of them.
+  // A step puts the bodies of walls in front of this body in Box2D's list. So, of all bodies that
+  // are shared, only this one points to them.
   const b2BodyDef last;
   AddRange(*box2d_world.CreateBody(&last));
   AddRange(box2d::BodyList(box2d_world));
@@ -72,7 +73,8 @@ void SharedWorld::CollectRanges() {
   JoinRanges();
 }
 
-/// Many objects are neighbours in memory, with padding between them in which no other object fits.
+/// Joins ranges that are neighbours in memory, with a gap between them too small for another
+/// object.
 void SharedWorld::JoinRanges() {
   constexpr ptrdiff_t kLeastObject = 16;
   std::sort(ranges_.begin(), ranges_.end(),
@@ -93,7 +95,7 @@ void SharedWorld::JoinRanges() {
 }
 
 std::unique_ptr<SharedState> SharedWorld::MakeState(SharedState::Walls walls) {
-  const auto& layers = world_->layers_->nearby();
+  const auto& layers = world_->layers_->all();
   if (walls != nullptr) {
     Require(!layers.empty(), "the world has no layer");
     const bool is_at_beginning = std::all_of(
@@ -130,8 +132,8 @@ void SharedWorld::ExchangeOwn(SharedState& state) {
   std::byte* const present = BytesOf(&box2d::Contacts(*world_->world_).m_broadPhase);
   std::swap_ranges(present, present + sizeof(b2BroadPhase), BytesOf(&state.broad_phase_));
   auto held = state.held_.begin();
-  for (const auto& each : world_->layers_->nearby()) each->Exchange(*held++);
-  if (state.walls_ != nullptr) world_->layers_->ExchangeFirst(state.walls_);
+  for (const auto& each : world_->layers_->all()) each->Exchange(*held++);
+  if (state.walls_ != nullptr) world_->layers_->all().front()->ExchangeWalls(state.walls_);
   auto nearby = state.nearby_.begin();
   for (BodyRecord* const record : world_->bodies_.Moving()) std::swap(record->nearby, *nearby++);
   auto line = state.lines_.begin();

@@ -2,17 +2,17 @@
 
 /// Many states of one world, which share all that does not change.
 ///
-/// Need. Thousands of environments that begin alike. Each could be a World; but a visit of one
-/// after the other would take twice as long, since Box2D spreads a world over 90 KB of memory.
+/// Need. Thousands of environments begin alike. Each could be a World, but stepping one after the
+/// other would take twice as long: Box2D spreads a world over 90 KB of memory.
 ///
 /// Method. There is one World. Before a step, another state takes the place of its present one:
 ///
 /// - What every state has is exchanged byte by byte: Box2D's bodies that may move, the boxes of
 ///   their fixtures, and joints; drives, tweens and crowds. These objects stay at their places, so
 ///   all pointers between them stay right.
-/// - What a state alone has, because Box2D made it in this state, stays where it is: contacts, the
-///   walls near bodies, and the tree of bounding boxes; and commands that are under way. Only the
-///   pointers to it are exchanged.
+/// - What only one state has, because Box2D made it in this state, stays where it is: contacts, the
+///   walls near bodies, the tree of bounding boxes, and delayed commands. Only the pointers to it
+///   are exchanged.
 ///
 /// - Walls belong to the world, or to a state that has others in the first layer: a map of its own.
 ///
@@ -55,14 +55,14 @@ class SharedWorld {
   /// any more. Of static bodies, only `moved` may be moved.
   explicit SharedWorld(std::unique_ptr<World> world, const std::vector<World::Body>& moved = {});
 
-  /// A new state: that of the world at the beginning, perhaps with other walls in its first layer.
-  /// To be destroyed before the SharedWorld. Throws std::invalid_argument if these cannot be
-  /// others.
+  /// Makes a state: that of the world at the beginning, with `walls` in its first layer unless
+  /// null. It must be destroyed before the SharedWorld. Throws std::invalid_argument if the walls
+  /// cannot be exchanged.
   std::unique_ptr<SharedState> MakeState(SharedState::Walls walls = nullptr);
-  /// Tells the processor to fetch what a state consists of from memory, while it does something
-  /// else: first where its arrays are, then the ranges, and then what these refer to.
+  /// Prefetches a state. To be called with a `distance` of 3, 2 and 1: first for the addresses of
+  /// its arrays, then for the ranges, and then for what these refer to.
   static void Prefetch(SharedState& state, int distance);
-  /// The world in a state, which keeps what becomes of it. There is one at a time.
+  /// The world while it is in a state, which keeps all changes. Only one may exist at a time.
   class Entered {
    public:
     Entered(SharedWorld& shared, SharedState& state) : shared_(shared), state_(state) {
@@ -80,8 +80,9 @@ class SharedWorld {
 
   /// The state at the beginning, to restore an entered world.
   const WorldState& beginning() const { return beginning_; }
-  /// A state for any entered world. `state`: one of this world. Throws std::invalid_argument if the
-  /// bytes are damaged, or if something is different that states share.
+  /// Reads a saved state, which can be restored to the entered world of any state. `state`: any
+  /// state of this world. Throws std::invalid_argument if the bytes are damaged, or differ in
+  /// something that all states share.
   WorldState Read(std::string_view bytes, SharedState& state);
 
  private:
@@ -111,13 +112,13 @@ class SharedWorld {
   void Leave(SharedState& state);
   void CollectRanges();
   void JoinRanges();
-  /// Exchanges the pointers to what the state alone has.
+  /// Exchanges the pointers to what only this state has.
   void ExchangeOwn(SharedState& state);
 
   std::unique_ptr<World> world_;
   WorldState beginning_;
   std::vector<Range> ranges_;
-  std::vector<std::byte> empty_;  // the ranges of a state that has nothing of its own
+  std::vector<std::byte> empty_;  // the ranges of a state without contacts and walls
 };
 
 }  // namespace flatland

@@ -17,13 +17,14 @@
 namespace flatland {
 namespace {
 
-/// Twice as far as it may be: bodies are beside their model's origin.
+/// Throws unless Box2D can compute with a model at this pose. Its position is doubled for the
+/// check, as a body may be farther out than the origin of its model.
 void RequirePose(const double* pose) {
   RequirePosition({2.0 * pose[0], 2.0 * pose[1]});
   Require(IsUsable(pose[2]), "a heading must be finite");
 }
 
-/// True if a row of a mask has a true; a missing mask has nothing else.
+/// True if a row of the mask contains a true value. A null mask chooses all rows.
 bool IsChosen(const bool* mask, int width, int row) {
   const bool* const begin = mask + int64_t{row} * width;
   return mask == nullptr || std::find(begin, begin + width, true) != begin + width;
@@ -82,7 +83,7 @@ void WorldBatch::ForEach(const bool* mask, int width, Visit visit) {
       while (row < end && !IsChosen(mask, width, row)) ++row;
       return row;
     };
-    // The present row, and the next ones, which are fetched from memory meanwhile.
+    // The present row, and the next ones, which are prefetched meanwhile.
     std::array<int, 4> rows;
     int row = team_.Begin(i, count());
     for (int& each : rows) row = (each = first_from(row)) + 1;
@@ -205,15 +206,15 @@ std::string WorldBatch::SaveState(int row) {
 void WorldBatch::LoadStates(const bool* mask, const std::vector<std::string_view>& states,
                             const std::vector<std::shared_ptr<const VisibleWalls>>& walls,
                             const int64_t* chosen, const int64_t* steps, const BatchRows& rows) {
-  /// A state as environments of a world read it, and the first of them.
+  /// A state as read for the environments that share a world, and the first of these environments.
   struct Read {
     WorldState state;
     int first;
   };
   std::map<std::pair<const SharedWorld*, int64_t>, Read> read;
   std::vector<const Read*> of(count());
-  std::vector<std::unique_ptr<SharedState>> others(count());  // with other walls than now
-  for (int row = 0; row < count(); ++row) {                   // all that may fail comes first
+  std::vector<std::unique_ptr<SharedState>> others(count());  // new states, where the walls change
+  for (int row = 0; row < count(); ++row) {                   // first everything that may throw
     if (mask != nullptr && !mask[row]) continue;
     const int64_t index = chosen[row];
     Require(index >= 0 && index < static_cast<int64_t>(states.size()), "there is no such state");

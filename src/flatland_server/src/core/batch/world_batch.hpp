@@ -26,8 +26,8 @@ struct BatchRobot {
   std::vector<World::Body> bodies;  ///< all of its bodies; poses and velocities are of the first
   Pose base;                        ///< pose of the first body in the robot's frame [m, m, rad]
   std::variant<World::Drive, World::Tricycle, World::Ackermann> drive;
-  /// For each of the drive's numbers (vx, vy and omega, or speed and steering angle) its index in
-  /// an action; -1 is none, which commands 0.
+  /// Index in an action of each number of the drive: vx, vy and omega, or speed and steering angle.
+  /// With -1, 0 is commanded.
   std::array<int, 3> columns{0, -1, 1};
   int action_size = 2;  ///< number of numbers in an action
   World::LidarHandle lidar;
@@ -55,7 +55,7 @@ class SharedWorld;
 
 class WorldBatch {
  public:
-  /// Environments that begin as a world, which is copied, and has made `steps`. Throws
+  /// Environments that begin as copies of a world that has made `steps` steps. Throws
   /// std::invalid_argument if there is no environment or thread, if the robots do not have equally
   /// many beams and numbers in an action, and GoneError for a wrong handle. `models` are those that
   /// Reset may put elsewhere.
@@ -77,14 +77,14 @@ class WorldBatch {
   /// Commands the robots that `mask` (count x robots; null: all) chooses with their rows of
   /// `actions` (count x robots x action_size), makes `substeps` steps of `dt` [s] in their
   /// environments, and writes their rows. Other robots of these environments are commanded to stop,
-  /// their actions are not read and their rows not written; other environments stay as they are. If
-  /// it `goes_on`, a collision in the steps of the last call of Advance counts, too. Throws
+  /// their actions are not read and their rows not written; other environments stay as they are.
+  /// With `goes_on`, collisions in the steps of the last call of Advance count, too. Throws
   /// std::invalid_argument, and changes nothing, if an action is not finite.
   void Step(const double* actions, int substeps, double dt, const BatchRows& rows,
             bool goes_on = false, const bool* mask = nullptr) {
     Advance(mask, actions, substeps, dt, &rows, goes_on);
   }
-  /// The same without rows: the first steps of several, between which bodies are looked at.
+  /// Like Step, but writes no rows: for the caller to look at bodies between steps.
   void Advance(const double* actions, int substeps, double dt, bool goes_on = false,
                const bool* mask = nullptr) {
     Advance(mask, actions, substeps, dt, nullptr, goes_on);
@@ -98,29 +98,29 @@ class WorldBatch {
   /// Moves the robots that `mask` (count x robots; null: all) chooses to `poses` (count x robots x
   /// 3), and stops them; their commands hold. Throws as Reset does. No row is written.
   void MoveRobots(const bool* mask, const double* poses);
-  /// Lets an environment begin as another world from now on, which is copied: one that has made no
-  /// step, and in which the same handles name the same things, such as the same world with other
-  /// walls. It is not shared with other environments. Its row is not written.
+  /// Lets an environment begin as a copy of another world from now on. That world must have made no
+  /// step, and the same handles must name the same things in it, as in the same world with other
+  /// walls. The copy is not shared with other environments. Its row is not written.
   void Replace(int row, const World& world);
   /// Lets an environment begin again with other walls in the first layer, or with those of the
   /// world (null). Its row is not written. Throws std::invalid_argument, and changes nothing, in a
   /// world without a layer, or where environments begin near walls.
   void SetWalls(int row, std::shared_ptr<const VisibleWalls> walls);
-  /// The state of an environment, as World::SaveState makes it of one that is equal.
+  /// The state of an environment, equal to what World::SaveState returns for an equal world.
   std::string SaveState(int row);
-  /// Puts each environment that `mask` chooses (null: all) into one of some saved states, that with
-  /// the index in `chosen` (count), after as many steps as there are in `steps` (count), with the
-  /// walls of the state (`walls`, see SetWalls), and writes its row. Throws std::invalid_argument,
-  /// and changes nothing, if a state is damaged, or of another world.
+  /// Puts each environment that `mask` chooses (null: all) into a saved state, and writes its row.
+  /// `chosen` (count) has the index of each environment's state in `states`, and `steps` (count)
+  /// the number of steps that it has made. `walls` are those of each state (see SetWalls). Throws
+  /// std::invalid_argument, and changes nothing, if a state is damaged, or of another world.
   void LoadStates(const bool* mask, const std::vector<std::string_view>& states,
                   const std::vector<std::shared_ptr<const VisibleWalls>>& walls,
                   const int64_t* chosen, const int64_t* steps, const BatchRows& rows);
   /// Writes all rows; `collided` as in the last row.
   void Observe(const BatchRows& rows);
 
-  /// Something with random numbers of its own in the core.
+  /// Something in the core that draws random numbers.
   using Random = std::variant<World::CrowdHandle, World::Drive, World::Tricycle, World::Ackermann>;
-  /// Begins other random numbers of it, by a key for each environment that `mask` chooses (null:
+  /// Seeds its random numbers anew, with a key for each environment that `mask` chooses (null:
   /// all).
   void Seed(const bool* mask, const Random& random, const uint64_t* keys);
   /// Writes the poses of bodies (x, y [m] and yaw in [-pi, pi] [rad]) and the velocities of their
@@ -140,15 +140,15 @@ class WorldBatch {
     int64_t steps = 0;
   };
 
-  /// Puts another environment in place of one, of which nothing is known yet.
+  /// Replaces an environment, and forgets the collisions and scans of the former one.
   void Begin(int row, Environment environment);
-  /// Calls `visit(world, environment, row)`, with the world in the environment's state, for the
-  /// environments for which `mask` (null: all) has a true among their `width` values, on all
-  /// threads, each of which has a world and some of the environments.
+  /// Calls `visit(world, environment, row)`, with the world in the environment's state, for each
+  /// environment with a true among its `width` values of `mask` (null: all). Works on all threads;
+  /// each has a world and some of the environments.
   template <class Visit>
   void ForEach(const bool* mask, int width, Visit visit);
-  /// Tells the processor to fetch what a visit of an environment will need: `distance` visits
-  /// before, from 3 to 1. Each time it looks at what it has fetched the time before.
+  /// Prefetches what a visit of an environment will need. To be called 3, 2 and 1 visits before:
+  /// each call follows the pointers that the call before has prefetched.
   void Prefetch(int row, int distance) const;
   void Advance(const bool* mask, const double* actions, int substeps, double dt,
                const BatchRows* rows, bool goes_on);
@@ -166,10 +166,10 @@ class WorldBatch {
   std::vector<BatchModel> models_;
   std::vector<World::Body> moved_;  // those of the robots and the models
   int beams_ = 0;
-  int64_t first_step_ = 0;  // at the beginning
+  int64_t first_step_ = 0;  // steps that the copied world had made
   std::vector<Environment> environments_;
   std::vector<char> collided_;   // for each robot of each environment
-  std::vector<SeenWalls> seen_;  // the same: by its last scan
+  std::vector<SeenWalls> seen_;  // the same: the walls in its last scan
   ThreadTeam team_;
 };
 

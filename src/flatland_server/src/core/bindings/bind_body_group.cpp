@@ -41,7 +41,7 @@ py::array_t<double> Rows(const BodyGroup& group, Read read) {
   return rows;
 }
 
-/// Those of some collisions that one of the bodies takes part in.
+/// Selects the collisions that one of the bodies takes part in.
 py::list Select(const BodyGroup& group, const std::vector<Collision>& collisions, double dt) {
   const auto is_own = [&](Fixture fixture) {
     return std::any_of(group.bodies.begin(), group.bodies.end(),

@@ -75,12 +75,12 @@ void AddPerson(PyCrowd& self, const PyBody& body, const std::vector<Pair>& goals
   self.world->AddPerson(self.handle, person);
 }
 
-std::vector<Triple> GetRooms(PyCrowd& self) {
-  std::vector<Triple> rooms;
-  for (const Crowd::Room& room : self.world->GetRooms(self.handle)) {
-    rooms.emplace_back(room.wall, room.body, room.person);
+std::vector<Triple> GetClearances(PyCrowd& self) {
+  std::vector<Triple> rows;
+  for (const Crowd::Clearances& each : self.world->GetClearances(self.handle)) {
+    rows.emplace_back(each.wall, each.body, each.person);
   }
-  return rooms;
+  return rows;
 }
 
 Pair ChooseOrcaVelocity(const Pair& velocity, const Pair& preferred, const Array<double>& neighbors,
@@ -129,7 +129,7 @@ void BindCrowd(py::module_& m) {
           },
           py::arg("person"), py::arg("point"), py::arg("velocity"))
       .def("remove", [](PyCrowd& self) { self.world->RemoveCrowd(self.handle); })
-      .def("rooms", &GetRooms)
+      .def("clearances", &GetClearances)
       .def("scatter", [](PyCrowd& self) { self.world->ScatterCrowd(self.handle); });
   m.def("orca_velocity", &ChooseOrcaVelocity, py::arg("velocity"), py::arg("preferred"),
         py::arg("neighbors").noconvert(), py::arg("walls").noconvert(), py::kw_only(),

@@ -34,7 +34,8 @@ py::array_t<float> CopyOf(const std::vector<float>& values) {
   return array;
 }
 
-// The guards are held until the arrays are copied: another thread may change the world after them.
+// The guards are held until the arrays are copied: as soon as they are released, another thread may
+// change the world.
 
 py::tuple ScanLidar(PyLidar& self) {
   const World::AccessGuard guard(*self.world);

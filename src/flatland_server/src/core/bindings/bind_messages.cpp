@@ -17,8 +17,8 @@
 namespace flatland {
 namespace {
 
-/// Bodies of one world, and the body in the frame of which their poses are read, if any. With a
-/// drift, the motion of the only body as it is measured.
+/// Bodies of one world. Their poses are read in the frame of `reference`, if there is one, or else
+/// in the world. With a drift, there is one body, and its measured motion is read.
 struct RelativePoses {
   RelativePoses(const std::optional<PyBody>& reference, const std::vector<PyBody>& bodies,
                 const std::optional<PyDrift>& drift) {
@@ -137,7 +137,7 @@ class TransformList {
     bytes_.append(bytes);
   }
 
-  /// The message of all of them; empty without any.
+  /// Returns the message with all transforms, and clears it; empty if there are none.
   static py::bytes Take(TransformList& self) {
     if (self.count_ == 0) return {};
     std::memcpy(self.bytes_.data(), &self.count_, sizeof(self.count_));

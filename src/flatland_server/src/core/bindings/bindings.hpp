@@ -95,8 +95,8 @@ inline uint64_t IdOf(World::Body body) {
   return static_cast<uint64_t>(body.generation) << 32 | body.index;
 }
 
-// Each adds its classes to the module; the functions "Of" add the methods of a class that concern
-// them.
+// BindX(module) adds classes to the module. BindXOf(class) adds the methods that make them to a
+// class.
 void BindLidar(py::module_& m);
 void BindLidarsOf(py::class_<PyBody>& body);
 void BindScansOf(py::class_<PyWorld>& world);
@@ -120,7 +120,7 @@ void BindRangeNoise(py::module_& m);
 void BindWorldBatch(py::module_& m);
 
 /// Gives everything in the module its docstring. Returns false, with Python's error set, if the
-/// stub has something that the module has not.
+/// stub names something that the module lacks.
 bool SetDocs(PyObject* module);
 
 }  // namespace flatland

@@ -1,7 +1,8 @@
-/// Docstrings in Python: those of the stub _core.pyi, which core_docs.py makes core_docs.inc of.
+/// Docstrings in Python. They are those of the stub _core.pyi: core_docs.py makes core_docs.inc
+/// from it.
 ///
-/// They replace pybind11's, which list types of C++. Only Python's own interface is used here: this
-/// file is compiled in a moment after each change of the stub.
+/// They replace those of pybind11, which list C++ types. This file uses Python's C API alone, so
+/// that it compiles quickly after each change of the stub.
 
 #include <Python.h>
 
@@ -22,7 +23,7 @@ constexpr Doc kDocs[] = {
 #include "core_docs.inc"
 };
 
-/// Returns false, with Python's error set, if it is not possible.
+/// Sets a docstring. Returns false, with Python's error set, if that fails.
 bool SetDoc(PyObject* object, const char* text) {
   if (PyInstanceMethod_Check(object)) object = PyInstanceMethod_GET_FUNCTION(object);
   if (PyCFunction_Check(object)) {

@@ -6,8 +6,8 @@
 /// world of one robot, that would be a third of a step with its command and its scan.
 ///
 /// Method: Python's own calling convention (METH_FASTCALL) for methods of a class of pybind11.
-/// Python checks the type of `self`; the arguments are numbers. Exceptions are translated as
-/// everywhere, by pybind11.
+/// Python checks the type of `self`; the arguments are numbers. Exceptions are translated by
+/// pybind11, as for other methods.
 
 #include <algorithm>
 #include <array>
@@ -92,7 +92,7 @@ struct FastMethod<function> {
     return *static_cast<Self*>(value);
   }
 
-  /// The arguments in their order.
+  /// Returns the arguments in the order of the parameters.
   static Arguments Match(PyObject* const* arguments, Py_ssize_t positional, PyObject* keywords) {
     const Py_ssize_t named = keywords == nullptr ? 0 : PyTuple_GET_SIZE(keywords);
     if (positional + named != static_cast<Py_ssize_t>(kCount)) {

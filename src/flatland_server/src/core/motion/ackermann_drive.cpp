@@ -14,7 +14,7 @@ constexpr double kGravity = 9.81;       // [m/s^2], as in CommonRoad
 constexpr double kMostYawRate = 100.0;  // [rad/s]
 constexpr double kMostParts = 100.0;
 
-/// The lower of two limits, of which 0 is none.
+/// The lower of two limits; 0 means no limit.
 double Lower(double a, double b) { return a > 0.0 && b > 0.0 ? std::min(a, b) : std::max(a, b); }
 
 }  // namespace
@@ -81,7 +81,8 @@ VelocityChange AckermannDrive::ChangeSpeed(double target, double dt) {
     acceleration_ = 0.0;
     return change;
   }
-  // Speed and acceleration move as an angle and its rate do. A reversal comes to rest in between.
+  // With a limited jerk, speed and acceleration change as the angle and rate of a steered wheel do.
+  // A reversal passes through rest.
   if (limits.velocity > 0.0) target = std::clamp(target, -limits.velocity, limits.velocity);
   if (target * speed_ < 0.0) target = 0.0;
   const bool is_faster = std::abs(target) > std::abs(speed_);
@@ -137,17 +138,17 @@ Twist AckermannDrive::Advance(const Twist& target, double dt) {
   return twist;
 }
 
-// In the yaw rate and the slip angle, the model is linear: x' = A x + b, and the slower the car,
-// the stiffer. The steps are those of the implicit Runge-Kutta method of two stages and second
-// order that is L-stable (Alexander, "Diagonally implicit Runge-Kutta methods for stiff ODEs",
-// 1977): at low speed, x is where the forces balance. The twist's mean is by the same weights.
+// The model is linear in x, the yaw rate and the slip angle: x' = A x + b. It gets stiffer as the
+// car gets slower. So it is integrated by the L-stable implicit Runge-Kutta method with two stages,
+// of second order (Alexander, "Diagonally implicit Runge-Kutta methods for stiff ODEs", 1977): at
+// low speed, x goes to the balance of forces. The mean twist uses the same weights.
 Twist AckermannDrive::AdvanceSlip(double from_speed, double from_angle, double dt) {
   const SingleTrack& car = *settings_.single_track;
   const double to_speed = speed(), to_angle = steer_angle();
   const double length = settings_.wheelbase;
   const double rear = car.center_of_mass, front = length - rear;
   const double shift = std::clamp(car.height * (to_speed - from_speed) / dt, -kGravity * front,
-                                  kGravity * rear);  // no axle carries less than nothing
+                                  kGravity * rear);  // no axle has a negative load
   // Cornering stiffness of an axle per mass [m/s^2 per rad], by its share of the load.
   const double of_front = car.friction * car.front_stiffness * (kGravity * rear - shift) / length;
   const double of_rear = car.friction * car.rear_stiffness * (kGravity * front + shift) / length;
@@ -173,10 +174,11 @@ Twist AckermannDrive::AdvanceSlip(double from_speed, double from_angle, double d
   const Slip second = stage({slip_.yaw_rate + ratio * (first.yaw_rate - slip_.yaw_rate),
                              slip_.angle + ratio * (first.angle - slip_.angle)},
                             1.0);
-  // A car that oversteers spins ever faster above some speed: its tyres are beyond the model.
+  // Above a critical speed, a car that oversteers would spin ever faster, outside of the validity
+  // of the tyre model. So both values are clamped.
   slip_ = {std::clamp(second.yaw_rate, -kMostYawRate, kMostYawRate),
            std::clamp(second.angle, -M_PI_2, M_PI_2)};
-  if (!IsUsable(slip_.yaw_rate) || !IsUsable(slip_.angle)) slip_ = {};  // no number
+  if (!IsUsable(slip_.yaw_rate) || !IsUsable(slip_.angle)) slip_ = {};  // NaN or huge
   const double middle_speed = from_speed + gamma * (to_speed - from_speed);
   const Twist one = Slipping(middle_speed, first), two = Slipping(to_speed, slip_);
   const double w = 1.0 - gamma;

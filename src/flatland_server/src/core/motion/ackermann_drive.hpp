@@ -15,7 +15,7 @@
 
 namespace flatland {
 
-/// A car whose tyres slip sideways, in proportion to the load on them: the single-track model "ST"
+/// A car with tyres that slip sideways, in proportion to their load: the single-track model "ST"
 /// of CommonRoad (Althoff, Koschi and Manzinger, "CommonRoad: Composable Benchmarks for Motion
 /// Planning on Roads", 2017; vehicle models, section 7). All but the height are above 0.
 struct SingleTrack {
@@ -38,7 +38,7 @@ struct AckermannSettings {
   std::optional<ActuatorSettings> actuator{};
 };
 
-/// A command, with limits of its own: 0 is none.
+/// A command with its own limits; 0 means no limit.
 struct AckermannCommand {
   double speed = 0.0;          ///< [m/s]
   double steer_angle = 0.0;    ///< of a wheel in the middle of the front axle [rad]
@@ -51,8 +51,8 @@ struct AckermannCommand {
 /// The speed is that of the rear axle or, with slip, of the centre of mass.
 class AckermannDrive {
  public:
-  /// Forwards, tyres slip at this speed and above [m/s]. Below, and backwards, they roll: the
-  /// equations of the slip have no solution at rest, and those backwards are unstable.
+  /// Tyres slip when the car drives forwards at this speed or faster [m/s]. Otherwise they roll:
+  /// the equations of slip are singular at rest, and unstable backwards.
   static constexpr double kSlipSpeed = 0.1;
   /// A longer step is integrated in several parts [s].
   static constexpr double kLongestPart = 0.01;
@@ -76,21 +76,21 @@ class AckermannDrive {
   /// To be called when the body was moved.
   void Rebase() { motion_.Rebase(); }
   OptionalActuator& actuator() { return actuator_; }
-  /// The greatest speed [m/s] and yaw rate [rad/s] that it may have in the next step.
+  /// The greatest speed [m/s] and yaw rate [rad/s] that the body may have in the next step.
   Fastest GetFastest() const;
-  /// Begins other random numbers, of the actuators' noise.
+  /// Seeds the noise of the actuators anew.
   void Seed(uint64_t key) {
     if (actuator_) actuator_->Seed(key);
   }
 
-  /// Called for each joint that another one has taken the place of, or null: it is destroyed.
+  /// Must be called when `other` replaces a joint, or when a joint is destroyed (`other` is null).
   void Replace(const b2Joint* joint, b2Joint* other) {
     for (b2RevoluteJoint*& each : wheels_) {
       if (joint == each) each = static_cast<b2RevoluteJoint*>(other);
     }
     if (actuator_) actuator_->Replace(joint, other);
   }
-  /// Takes all but the joints of another one.
+  /// Copies everything but the joints of another drive.
   void TakeMotion(const AckermannDrive& other) {
     const auto wheels = wheels_;
     *this = other;
@@ -109,7 +109,7 @@ class AckermannDrive {
             command_.jerk, speed_, acceleration_, steering_.angle, steering_.rate, slip_.yaw_rate,
             slip_.angle, motion_, actuator_);
   }
-  /// Calls `visit` with all that steps change and that can be copied byte by byte.
+  /// Calls `visit` with each member that steps change and that can be copied byte by byte.
   template <class Visit>
   void ForEachPart(Visit visit) {
     visit(command_);

@@ -8,9 +8,9 @@
 namespace flatland {
 namespace {
 
-/// The longest delay [s]: a command of each step is kept for so long.
+/// The longest delay [s]; the line keeps all commands of this time.
 constexpr double kMaxDelay = 10.0;
-/// A lag ends when it is nearer to its input [m/s, rad/s or rad].
+/// A lag has ended when its output is this near to its input [m/s, rad/s or rad].
 constexpr double kSettled = 1e-9;
 
 uint64_t Nanoseconds(double seconds) {

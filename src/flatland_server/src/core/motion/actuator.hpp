@@ -14,19 +14,19 @@
 
 namespace flatland {
 
-/// Of an axis: of the velocity in the plane, and of the yaw rate or a steering angle. 0 is none.
+/// Settings of an axis: of the planar velocity, or of the yaw rate or steering angle. 0 means none.
 struct AxisSettings {
   double delay = 0.0;          ///< dead time of commands, 10 at most [s]
   double time_constant = 0.0;  ///< of a first-order lag [s]
-  double dead_band = 0.0;  ///< a lower command counts as 0 [m/s or rad/s]; for a steering angle:
-                           ///< one that is nearer to the angle that is held changes nothing [rad]
+  double dead_band = 0.0;  ///< a command below it counts as 0 [m/s or rad/s]; a steering command
+                           ///< that is nearer than this to the held angle is ignored [rad]
   double noise = 0.0;      ///< of the velocity: spectral density, while it moves [m^2/s, rad^2/s]
 };
 
 struct ActuatorSettings {
   AxisSettings linear;
   AxisSettings angular;
-  double command_timeout = 0.0;  ///< without a command for so long it stops [s]; 0: never
+  double command_timeout = 0.0;  ///< stops after this time without a command [s]; 0: never
   uint64_t key = 0;              ///< of the noise
   ForceLimits force{};
 
@@ -34,13 +34,13 @@ struct ActuatorSettings {
   void Check() const;
 };
 
-/// A dead time. Keeps the values under way.
+/// A dead time. Keeps the values that have not arrived yet.
 class DelayLine {
  public:
-  /// Puts a value in at a time and returns the newest one that was put in `delay` before, or the
-  /// first before there is one [ns].
+  /// Adds a value at time `now` [ns], and returns the newest one that was added `delay` [ns] ago or
+  /// earlier; before there is one, the value of the last Reset.
   Vec2 Pass(Vec2 value, uint64_t now, uint64_t delay);
-  /// Forgets what is under way.
+  /// Forgets the values that have not arrived; `value` is the output from now on.
   void Reset(Vec2 value);
 
   template <class Archive>
@@ -81,16 +81,16 @@ class Actuator {
 
   /// To be called for each command: the timeout begins anew.
   void Command() { state_.commanded = state_.now; }
-  /// What reaches the motors of the last command in a step of `dt` [s]; to be called once a step.
+  /// Returns the command that reaches the motors in a step of `dt` [s]; to be called once a step.
   Twist Arrive(Twist target, double dt);
-  /// The velocity of the wheels, if the limits alone let it change as given: with noise and lag.
+  /// Adds noise and lag to the changes of velocity that the limits permit.
   void Follow(VelocityChange& linear, VelocityChange& angular, double dt);
-  /// The steering angle in the same way, for a time [s]: the mean of the input, and its end.
+  /// The same for the steering angle over `time` [s]: the input has a mean, and reaches a value.
   double Steer(double mean, double reached, double time);
 
   /// Lets the drive push its body by a joint of limited force.
   void AddGrip(b2FrictionJoint* joint) { grip_ = Grip(settings_.force, joint); }
-  /// Takes all but the joint of another one.
+  /// Copies everything but the joint of another actuator.
   void Take(const Actuator& other) {
     b2FrictionJoint* const joint = grip_.joint();
     *this = other;
@@ -102,14 +102,14 @@ class Actuator {
   bool may_slip() const { return settings_.force.friction > 0.0; }
   /// Sets the mean twist of the body in this step if the wheels do not slip.
   void Roll(const Twist& mean) { state_.rolling = mean; }
-  /// The motion of a step of `dt` [s] as the wheels measure it, if the body has made `arc`.
+  /// The motion of a step of `dt` [s] as the wheels measure it, if the body moved along `arc`.
   Pose Measured(const Pose& arc, double dt) const;
 
   /// The present velocity of the wheels, or their speed and the steering angle.
   const Twist& velocity() const { return state_.velocity; }
-  /// Forgets commands under way: the wheels stand still, and a steering angle stays.
+  /// Forgets delayed commands. The wheels stand still, and a steering angle stays.
   void Reset();
-  /// Begins other random numbers.
+  /// Seeds the noise anew.
   void Seed(uint64_t key) { state_.numbers = NormalNumbers(NormalNumbers::Mixed(key)); }
 
   /// Calls `visit` with all that changes and can be copied byte by byte; delay lines are not.
@@ -140,7 +140,7 @@ class Actuator {
     NormalNumbers numbers;
   };
 
-  /// A velocity in white noise, of which a step has the mean.
+  /// White noise of a velocity: its mean over a step.
   double Noise(const AxisSettings& axis, double dt);
 
   ActuatorSettings settings_;
@@ -151,8 +151,8 @@ class Actuator {
   Grip grip_;
 };
 
-/// The actuator of a drive, or none, which costs nothing. It is copied with the drive; an
-/// assignment to one that exists leaves it in its place, and its joint.
+/// The actuator of a drive, or none; then it takes no time. It is copied with the drive. Assigning
+/// to an existing actuator keeps its address and its joint.
 class OptionalActuator {
  public:
   OptionalActuator() = default;

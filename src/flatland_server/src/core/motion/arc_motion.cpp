@@ -59,25 +59,27 @@ void ArcMotion::Begin(b2Body& body, const Twist& mean, double dt, Grip* grip) {
   };
   const double rotation = rounding_error_.yaw + displacement.angle;
   double mass = 0.0;
-  thread_local std::vector<b2Body*> group;  // keeps its memory
-  group.assign(1, &body);
-  for (size_t i = 0; i < group.size(); ++i) {
-    b2Body& member = *group[i];
+  const auto carry = [&](b2Body& member, bool turns) {
     mass += member.GetMass();
-    if (grip == nullptr) {
-      member.SetLinearVelocity(ToBox2D(1.0 / dt * displacement_of(member)));
-      member.SetAngularVelocity(static_cast<float>(rotation / dt));
-    }
-    for (b2JointEdge* edge = member.GetJointList(); edge != nullptr; edge = edge->next) {
-      b2Body& other = *edge->other;
-      if (other.GetType() != b2_dynamicBody) continue;
-      if (IsRigid(*edge->joint)) {
-        if (std::find(group.begin(), group.end(), &other) == group.end()) {
+    if (grip != nullptr) return;
+    member.SetLinearVelocity(ToBox2D(1.0 / dt * displacement_of(member)));
+    if (turns) member.SetAngularVelocity(static_cast<float>(rotation / dt));
+  };
+  carry(body, true);
+  if (body.GetJointList() != nullptr) {
+    thread_local std::vector<b2Body*> group;  // keeps its memory
+    group.assign(1, &body);
+    for (size_t i = 0; i < group.size(); ++i) {
+      for (b2JointEdge* edge = group[i]->GetJointList(); edge != nullptr; edge = edge->next) {
+        b2Body& other = *edge->other;
+        if (other.GetType() != b2_dynamicBody) continue;
+        if (IsRigid(*edge->joint)) {
+          if (std::find(group.begin(), group.end(), &other) != group.end()) continue;
           group.push_back(&other);
+          carry(other, true);
+        } else if (IsWheel(*edge->joint, other)) {
+          carry(other, false);
         }
-      } else if (IsWheel(*edge->joint, other)) {
-        mass += other.GetMass();
-        if (grip == nullptr) other.SetLinearVelocity(ToBox2D(1.0 / dt * displacement_of(other)));
       }
     }
   }
@@ -86,13 +88,9 @@ void ArcMotion::Begin(b2Body& body, const Twist& mean, double dt, Grip* grip) {
   if (grip != nullptr) {
     commanded_velocity_ = ToBox2D(1.0 / dt * displacement_of(body));
     commanded_omega_ = static_cast<float>(rotation / dt);
-    grip->Begin(body, mass);
     body.SetLinearVelocity(body.GetLinearVelocity() - shown_);
     body.SetAngularVelocity(body.GetAngularVelocity() - shown_omega_);
-    // The mass may have changed since the joint was put where its centre was.
-    const b2Vec2 arm = grip->joint()->GetAnchorB() - body.GetWorldCenter();
-    grip->belt()->SetLinearVelocity(commanded_velocity_ + b2Cross(commanded_omega_, arm));
-    grip->belt()->SetAngularVelocity(commanded_omega_);
+    grip->Begin(body, mass, commanded_velocity_, commanded_omega_, dt);
     if (mean.vx != 0.0 || mean.vy != 0.0 || mean.omega != 0.0) body.SetAwake(true);
   }
   const Vec2 target = FromBox2D(body.GetWorldCenter()) + displacement_of(body);
@@ -100,7 +98,7 @@ void ArcMotion::Begin(b2Body& body, const Twist& mean, double dt, Grip* grip) {
 }
 
 void ArcMotion::End(b2Body& body, const Twist& at_end, Grip* grip) {
-  if (grip != nullptr) grip->belt()->SetTransform(b2Vec2_zero, 0.0f);
+  if (grip != nullptr) grip->End();
   const b2Vec2 lost = commanded_velocity_ - body.GetLinearVelocity();
   const float lost_omega = commanded_omega_ - body.GetAngularVelocity();
   const bool is_obstructed = lost.Length() > 0.1f * commanded_velocity_.Length() + 1e-3f ||

@@ -17,12 +17,13 @@ class ArcMotion {
   /// Sets the body's velocity for the next step of `dt` [s]. `mean` is the mean twist of its origin
   /// over the step, in its frame [m/s, m/s, rad/s]. Bodies rigidly welded to it, and wheels hinged
   /// to it at their own centre, get the matching velocity too: otherwise they would slow it down
-  /// until the solver has accelerated them. With a `grip`, the belt gets the velocity, and pulls.
+  /// until the solver has accelerated them. With a `grip`, the belt gets the velocity, and pulls
+  /// the body.
   void Begin(b2Body& body, const Twist& mean, double dt, Grip* grip = nullptr);
 
-  /// After the step: sets the body's velocity to the twist at the end of the arc, minus what it
-  /// lost during the step, as by damping. If it lost much, as by hitting a wall, its velocity
-  /// stays.
+  /// After the step: sets the body's velocity to the twist at the end of the arc, minus the
+  /// velocity that it lost in the step, as by damping. If that is much, as at a wall, the velocity
+  /// is not changed.
   void End(b2Body& body, const Twist& at_end, Grip* grip = nullptr);
   /// To be called when the body was moved.
   void Rebase() { rounding_error_ = {}; }
@@ -41,8 +42,9 @@ class ArcMotion {
   // add up: each step corrects that of the one before.
   Pose target_;
   Pose rounding_error_;
-  // With a grip: the body's velocity at the end of the arc minus that of the step, which is shown
-  // between steps. In the next step, the solver has its own velocity again: no force was needed.
+  // With a grip: the velocity at the end of the arc minus the mean one of the step. It is added
+  // between steps, for readers of the velocity. The next step subtracts it again: without a force,
+  // the solver's velocity must not change.
   b2Vec2 shown_ = b2Vec2_zero;
   float shown_omega_ = 0.0f;
 };

@@ -12,8 +12,8 @@
 
 namespace flatland {
 
-/// Deviations of a robot's wheels from those that it reckons with; standard deviations, each 0 or
-/// more. One value of each is drawn for a run.
+/// Errors of the wheel geometry that the odometry assumes: standard deviations, each 0 or more. One
+/// value of each is drawn for a run.
 struct WheelBiases {
   double radius = 0.0;       ///< of the wheels, relative: scales distances and angles
   double track_width = 0.0;  ///< relative: scales angles
@@ -41,12 +41,13 @@ class BodyDrift {
   BodyDrift() = default;
   /// The first estimate is `start`; updates are `period` [s] apart, or every step if that is 0.
   /// Equal keys and motions give equal errors. Throws std::invalid_argument if a variance or the
-  /// period is negative or not finite. `wheels` are those of a drive that lives as long, and may
-  /// slip; without them, the wheels roll with the body.
+  /// period is negative or not finite. `wheels` is the actuator of a drive that may slip, and must
+  /// live as long. Without it, the wheels roll with the body.
   BodyDrift(const DriftVariances& variances, double period, uint64_t key, const Pose& start,
             const Actuator* wheels = nullptr);
 
-  /// Before a step of `dt` [s]: takes the estimate along if the body was moved since the last one.
+  /// Before a step of `dt` [s]: moves the estimate with the body, if that was moved since the last
+  /// step.
   void BeginStep(const b2Body& body, double dt);
   /// After the step: adds its motion, as measured, to the estimate.
   void EndStep(const b2Body& body);
@@ -67,7 +68,7 @@ class BodyDrift {
 
   DriftVariances variances_;
   WheelBiases biases_;  // of this run
-  Pose deviations_;     // of the errors per square root of a second
+  Pose deviations_;     // standard deviations of the errors per square root of a second
   bool drifts_at_rest_ = false;
   double period_ = 0.0;  // [ns]
   const Actuator* wheels_ = nullptr;
@@ -76,7 +77,7 @@ class BodyDrift {
   NormalNumbers numbers_;
   double dt_ = 0.0;  // of the present step [s]
   Pose trip_;        // the measured motion since the last update
-  // Times since the first step, in whole nanoseconds, as those of a plugin's updates.
+  // Times since the first step, in whole nanoseconds, like the times of a plugin's updates.
   uint64_t now_ = 0;
   uint64_t updated_ = 0;
   uint64_t due_ = 0;

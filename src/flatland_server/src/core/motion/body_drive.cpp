@@ -42,7 +42,8 @@ void BodyDrive::Reset() {
 
 void BodyDrive::BeginStep(b2Body& body, double dt) {
   const Twist target = actuator_ ? actuator_->Arrive(target_, dt) : target_;
-  is_idle_ = !body.IsAwake() && IsZero(target) && IsZero(velocity_) && IsZero(velocity());
+  is_idle_ = !body.IsAwake() && actuator_.grip() == nullptr && IsZero(target) &&
+             IsZero(velocity_) && IsZero(velocity());
   if (is_idle_) return;
   VelocityChange planar =
       linear_.Approach({velocity_.vx, velocity_.vy}, {target.vx, target.vy}, dt);

@@ -37,12 +37,12 @@ class BodyDrive {
   void Reset();
   /// To be called when the body was moved.
   void Rebase() { motion_.Rebase(); }
-  /// Begins other random numbers, of the actuators' noise.
+  /// Seeds the noise of the actuators anew.
   void Seed(uint64_t key) {
     if (actuator_) actuator_->Seed(key);
   }
 
-  /// Called for each joint that another one has taken the place of, or null: it is destroyed.
+  /// Must be called when `other` replaces a joint, or when a joint is destroyed (`other` is null).
   void Replace(const b2Joint* joint, b2Joint* other) {
     if (actuator_) actuator_->Replace(joint, other);
   }
@@ -57,7 +57,7 @@ class BodyDrive {
   void Serialize(Archive& archive) {
     archive(target_, velocity_, motion_, actuator_);
   }
-  /// Calls `visit` with all that steps change and that can be copied byte by byte.
+  /// Calls `visit` with each member that steps change and that can be copied byte by byte.
   template <class Visit>
   void ForEachPart(Visit visit) {
     visit(target_);

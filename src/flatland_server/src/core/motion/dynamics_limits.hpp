@@ -27,7 +27,7 @@ struct DynamicsLimits {
   /// Throws std::invalid_argument if a limit is negative or not finite.
   void Check() const;
 
-  /// The part of a speed or rate that the velocity limit lets through.
+  /// A speed or rate, clamped to the velocity limit.
   double Limited(double speed) const {
     return velocity > 0.0 && speed > velocity ? velocity : speed;
   }

@@ -17,12 +17,14 @@ struct ForceLimits {
   explicit operator bool() const { return max_force > 0.0 || max_torque > 0.0 || friction > 0.0; }
 };
 
-/// Moves a body by a belt under it: a body without fixtures, at the velocity that the wheels want,
-/// and a friction joint, which pulls the driven body to that velocity with a limited force.
+/// Moves a body by a belt under it. The belt is a body without fixtures that moves at the velocity
+/// of the wheels. A friction joint pulls the driven body to that velocity with a limited force.
+/// Box2D solves the joint together with contacts and other joints. A body that has none of them
+/// gets the same impulse directly, at a quarter of the cost.
 ///
 /// The limits are the lower ones of the motors and of friction, mu m g, with the mass m of the body
-/// and what is rigidly on it. A force at the radius of gyration, sqrt(I / m), is the torque that is
-/// possible; and the other way round, if the torque alone is limited.
+/// and what is rigidly on it. If only the force is limited, the limit of the torque is that force
+/// at the radius of gyration, sqrt(I / m); and vice versa.
 class Grip {
  public:
   Grip() = default;
@@ -30,15 +32,18 @@ class Grip {
 
   explicit operator bool() const { return joint_ != nullptr; }
   b2Body* belt() const { return joint_->GetBodyA(); }
-  /// Called for each joint that another one has taken the place of, or null: it is destroyed.
+  /// Must be called when `other` replaces a joint, or when a joint is destroyed (`other` is null).
   void Replace(const b2Joint* joint, b2Joint* other) {
     if (joint == joint_) joint_ = static_cast<b2FrictionJoint*>(other);
   }
   b2FrictionJoint* joint() const { return joint_; }
 
-  /// Before a step: sets the limits for a body of this mass on its wheels [kg].
-  void Begin(const b2Body& body, double mass_on_wheels);
-  /// True if wheels spin or slide when the force, or the torque, is not enough; otherwise the
+  /// Before a step of `dt` [s]: pulls the body towards this velocity of its centre of mass [m/s]
+  /// and yaw rate [rad/s], with the limits for this mass on its wheels [kg].
+  void Begin(b2Body& body, double mass_on_wheels, b2Vec2 velocity, float omega, double dt);
+  /// After a step: takes the belt back to where it was.
+  void End();
+  /// True if the wheels spin or slide when the force, or the torque, is not enough. Otherwise the
   /// motors stall, and the wheels roll with the body.
   bool slips() const { return slips_; }
   bool spins() const { return spins_; }

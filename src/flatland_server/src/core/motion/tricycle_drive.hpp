@@ -48,19 +48,19 @@ class TricycleDrive {
   void Reset();
   /// To be called when the body was moved.
   void Rebase() { motion_.Rebase(); }
-  /// Begins other random numbers, of the actuators' noise.
+  /// Seeds the noise of the actuators anew.
   void Seed(uint64_t key) {
     if (actuator_) actuator_->Seed(key);
   }
 
-  /// Called for each joint that another one has taken the place of, or null: it is destroyed. If it
-  /// is the front wheel's, that is not rotated any more.
+  /// Must be called when `other` replaces a joint, or when a joint is destroyed (`other` is null).
+  /// Without its joint, the front wheel is not rotated any more.
   void Replace(const b2Joint* joint, b2Joint* other) {
     if (joint == front_wheel_) front_wheel_ = static_cast<b2RevoluteJoint*>(other);
     if (actuator_) actuator_->Replace(joint, other);
   }
 
-  /// Takes all but the joint of another one.
+  /// Copies everything but the joint of another drive.
   void TakeMotion(const TricycleDrive& other) {
     b2RevoluteJoint* const joint = front_wheel_;
     *this = other;
@@ -78,7 +78,7 @@ class TricycleDrive {
     archive(target_speed_, target_angle_, speed_, steering_.angle, steering_.rate, motion_,
             actuator_);
   }
-  /// Calls `visit` with all that steps change and that can be copied byte by byte.
+  /// Calls `visit` with each member that steps change and that can be copied byte by byte.
   template <class Visit>
   void ForEachPart(Visit visit) {
     visit(target_speed_);

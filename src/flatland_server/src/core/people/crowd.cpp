@@ -14,20 +14,20 @@ namespace {
 constexpr double kReach = 8.0;           // of walls, in ranges of the repulsion: it is down to e^-8
 constexpr double kTurnRate = M_PI;       // at most [rad/s]
 constexpr double kLeastSpeed = 0.1;      // people that are slower keep their heading [m/s]
-constexpr double kPatience = 1.0;        // an agent walks on for so long after its last state [s]
-constexpr double kLongestWay = 1.0;      // a person jumps to an agent that is farther away [m]
+constexpr double kAgentTimeout = 1.0;    // an agent walks on for this time after its last state [s]
+constexpr double kJumpDistance = 1.0;    // a person jumps to an agent that is farther away [m]
 constexpr double kLongestPeriod = 1e18;  // 32 years [ns]
 constexpr int64_t kLastTime = int64_t{1} << 62;  // [ns]
-constexpr int64_t kGlance = 1'000'000'000;  // after which a recorded way shows its direction [ns]
-constexpr double kAwayGap = 4.0;            // between people who are away [m]
-constexpr double kSides[] = {1.0, -1.0};    // of the legs: 1 is the left
+constexpr int64_t kLookahead = 1'000'000'000;    // look-ahead for the first heading of a walk [ns]
+constexpr double kAwayGap = 4.0;                 // between people who are away [m]
+constexpr double kSides[] = {1.0, -1.0};         // of the legs: 1 is the left
 
 Vec2 PointOf(const Pose& pose) { return {pose.x, pose.y}; }
 
 b2Body& BodyOf(Bodies& bodies, Bodies::Body handle) { return *bodies.Get(handle).body; }
 
 /// Gives a body the velocity that leads to a point [m] in `dt` [s].
-void Send(b2Body& body, Vec2 point, double dt) {
+void SetVelocityTo(b2Body& body, Vec2 point, double dt) {
   const Vec2 velocity = (1.0 / dt) * (point - FromBox2D(body.GetPosition()));
   SetOriginVelocity(body, {velocity.x, velocity.y, 0.0});
 }
@@ -145,7 +145,7 @@ void Crowd::Update(Bodies& bodies, const Layers& layers, double dt) {
     motions_of_others_.push_back(MotionOf(*each.body));
     headings_of_others_.emplace_back(motions_of_others_.back().yaw);
   }
-  Meet(dt);
+  UpdateEncounters(dt);
   const bool do_choose =
       std::any_of(people_.begin(), people_.end(), [](const auto& each) { return !each.recording; });
   if (do_choose && settings_.orca) {
@@ -156,7 +156,7 @@ void Crowd::Update(Bodies& bodies, const Layers& layers, double dt) {
   new_velocities_.clear();
   const double scatter = settings_.force.ScatterAfter(dt), left = settings_.force.LeftAfter(dt);
   for (size_t i = 0; i < people_.size(); ++i) {
-    const double x = clock_.numbers.Draw(), y = clock_.numbers.Draw();  // whether needed or not
+    const double x = clock_.numbers.Draw(), y = clock_.numbers.Draw();  // drawn even if not needed
     if (people_[i].recording) {
       new_velocities_.push_back(ReplayedVelocity(i, bodies, dt));
       continue;
@@ -165,7 +165,7 @@ void Crowd::Update(Bodies& bodies, const Layers& layers, double dt) {
       new_velocities_.push_back(FollowingVelocity(i, bodies, dt));
       continue;
     }
-    const Vec2 noise{scatter * x, scatter * y}, way = WayOf(i, layers);
+    const Vec2 noise{scatter * x, scatter * y}, way = DesiredDirection(i, layers);
     new_velocities_.push_back(settings_.orca ? OrcaVelocity(i, way, noise, layers, dt)
                                              : ForcedVelocity(i, way, noise, left));
   }
@@ -196,10 +196,10 @@ double Crowd::ReachOf(const PersonSettings& person) const {
 Vec2 Crowd::FollowingVelocity(size_t index, Bodies& bodies, double dt) {
   const PersonSettings& person = people_[index];
   Agent& agent = progress_[index].agent;
-  if (LengthOf(agent.point - motions_[index].point) > kLongestWay) {
+  if (LengthOf(agent.point - motions_[index].point) > kJumpDistance) {
     JumpTo(person, agent.point, bodies);
   }
-  if (agent.age < kPatience) {
+  if (agent.age < kAgentTimeout) {
     agent.point = agent.point + dt * agent.velocity;
     agent.age += dt;
   }
@@ -213,16 +213,16 @@ void Crowd::Replay(size_t index, Bodies& bodies) {
   const int walk = person.recording->WalkAt(now);
   int32_t& shown = progress_[index].walk;
   b2Body& body = BodyOf(bodies, person.body);
-  if (walk < 0) {  // each away at a place of its own
+  if (walk < 0) {  // a place for each, far away
     const Vec2 away{kAway, kAway + kAwayGap * person.body.index};
     if (shown >= 0 || FromBox2D(body.GetPosition()).x < kAway) JumpTo(person, away, bodies);
   } else {
     const Vec2 point = person.recording->PointAt(walk, now);
     if (walk != shown) {
-      const Vec2 way = person.recording->PointAt(walk, now + kGlance) - point;
+      const Vec2 way = person.recording->PointAt(walk, now + kLookahead) - point;
       Put(body, {point.x, point.y, std::atan2(way.y, way.x)});
       JumpTo(person, point, bodies);
-    } else if (LengthOf(point - FromBox2D(body.GetPosition())) > kLongestWay) {
+    } else if (LengthOf(point - FromBox2D(body.GetPosition())) > kJumpDistance) {
       JumpTo(person, point, bodies);
     }
   }
@@ -262,7 +262,7 @@ void Crowd::Walk(size_t index, Vec2 velocity, Bodies& bodies, double dt) {
   SetOriginVelocity(body, motion);
   const Pose after{pose.x + velocity.x * dt, pose.y + velocity.y * dt,
                    pose.yaw + motion.omega * dt};
-  if (person.circle) Send(BodyOf(bodies, *person.circle), PointOf(after), dt);
+  if (person.circle) SetVelocityTo(BodyOf(bodies, *person.circle), PointOf(after), dt);
   if (!person.legs.empty()) Step(index, after, motion, bodies, dt);
 }
 
@@ -279,7 +279,7 @@ void Crowd::Step(size_t index, const Pose& after, const Twist& motion, Bodies& b
   const double ahead = length / 2.0 * (1.0 - 4.0 * std::abs(stride - 0.5));
   for (size_t i = 0; i < person.legs.size(); ++i) {
     const Vec2 foot{kSides[i] * ahead, kSides[i] * person.leg_offset};
-    Send(BodyOf(bodies, person.legs[i]), PointOf(after) + heading.Apply(foot), dt);
+    SetVelocityTo(BodyOf(bodies, person.legs[i]), PointOf(after) + heading.Apply(foot), dt);
   }
   const bool walks = std::hypot(motion.vx, motion.vy) > kLeastSpeed;
   Lift(index, walks ? std::sin(2.0 * M_PI * stride) : 0.0, bodies);
@@ -305,29 +305,31 @@ void Crowd::Restore(Bodies& bodies) {
   for (size_t i = 0; i < people_.size(); ++i) Lift(i, progress_[i].lifted, bodies);
 }
 
-std::vector<Crowd::Room> Crowd::Rooms(const Bodies& bodies, const Layers& layers) {
+std::vector<Crowd::Clearances> Crowd::GetClearances(const Bodies& bodies, const Layers& layers) {
   FindOthers(bodies);
   std::vector<Vec2> points;
   for (const PersonSettings& each : people_) {
     points.push_back(FromBox2D(bodies.Get(each.body).body->GetPosition()));
   }
-  std::vector<Room> rooms;
+  std::vector<Clearances> found;
   for (size_t i = 0; i < people_.size(); ++i) {
-    Room room{HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    Clearances clearances{HUGE_VAL, HUGE_VAL, HUGE_VAL};
     SeeWalls(layers, settings_.layers, points[i], ReachOf(people_[i]), found_, walls_);
-    if (!walls_.empty()) room.wall = walls_.front().gap;
+    if (!walls_.empty()) clearances.wall = walls_.front().gap;
     for (const Outline& other : others_) {
       const Pose pose = PoseOf(*other.body);
       const Rotation heading(pose.yaw);
-      room.body = std::min(room.body, other.SeenFrom(points[i], PointOf(pose), heading).gap);
+      clearances.body =
+          std::min(clearances.body, other.SeenFrom(points[i], PointOf(pose), heading).gap);
     }
     for (size_t j = 0; j < people_.size(); ++j) {
       if (j == i) continue;
-      room.person = std::min(room.person, LengthOf(points[i] - points[j]) - people_[j].radius);
+      clearances.person =
+          std::min(clearances.person, LengthOf(points[i] - points[j]) - people_[j].radius);
     }
-    rooms.push_back(room);
+    found.push_back(clearances);
   }
-  return rooms;
+  return found;
 }
 
 }  // namespace flatland

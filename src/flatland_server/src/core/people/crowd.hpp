@@ -64,7 +64,7 @@ struct PersonSettings {
   double yields = 1.0;                 ///< probability that it gives way in an encounter
   double reaction_time = 0.0;          ///< from seeing a robot to giving way [s]
   double field_of_view = 2.0 * M_PI;   ///< in which it sees people and robots [rad]
-  int group = -1;                      ///< whose people keep together; -1: none
+  int group = -1;                      ///< number of its group, which keeps together; -1: none
   std::shared_ptr<const Recording> recording;  ///< followed instead of `goals`
   std::optional<Area> area;  ///< in which places and goals are drawn, instead of `goals`
   bool stands = false;       ///< at its drawn place
@@ -74,7 +74,7 @@ class Crowd {
  public:
   /// The distances [m] of a person's middle from the nearest wall, body and other person; infinite
   /// if there is none, or no wall within reach of the forces.
-  struct Room {
+  struct Clearances {
     double wall, body, person;
   };
 
@@ -101,7 +101,7 @@ class Crowd {
   /// none is found stays. Puts those that follow a recording where it begins.
   void Scatter(Bodies& bodies, const Layers& layers);
   /// The distances around each person at present.
-  std::vector<Room> Rooms(const Bodies& bodies, const Layers& layers);
+  std::vector<Clearances> GetClearances(const Bodies& bodies, const Layers& layers);
   /// Copies the changing state of an equal crowd.
   void Take(const Crowd& other) {
     clock_ = other.clock_;
@@ -181,25 +181,25 @@ class Crowd {
 
   static Motion MotionOf(const b2Body& body);
   void Update(Bodies& bodies, const Layers& layers, double dt);
-  /// Finds the other bodies again, if any have been added or removed.
+  /// Looks for the other bodies again if any have been added or removed.
   void FindOthers(const Bodies& bodies);
-  /// The desired direction, of length 1 at full speed; goes on to the next goal.
-  Vec2 WayOf(size_t person, const Layers& layers);
-  /// A free point of a person's area, if some tries find one: so far from walls, and from the
-  /// bodies and people that `is_free` asks for.
+  /// The desired direction, of length 1 at full speed. Switches to the next goal at a goal.
+  Vec2 DesiredDirection(size_t person, const Layers& layers);
+  /// Draws a point of a person's area that is clear of walls and for which `is_free(point)` is
+  /// true; none if that fails several times.
   template <class IsFree>
   std::optional<Vec2> DrawPoint(size_t person, const Layers& layers, IsFree is_free);
   /// Decides which people give way to robots.
-  void Meet(double dt);
+  void UpdateEncounters(double dt);
   /// True if something in this direction, of length 1, is in a person's field of view.
   bool Sees(size_t person, Vec2 direction) const;
   Obstacle SeenOther(size_t person, size_t other) const;
-  /// True unless it is a robot that a person, if it is in view, does not avoid.
-  bool Heeds(size_t person, size_t other) const;
+  /// True if a person avoids another body that is in view. Everybody avoids what is no robot.
+  bool Avoids(size_t person, size_t other) const;
   /// The forces of all that is around each person.
   void SumForces(const Layers& layers);
   Vec2 GroupForce(size_t person) const;
-  /// `left` is that of SocialForce::Relax.
+  /// For `left`, see SocialForce::Relax.
   Vec2 ForcedVelocity(size_t person, Vec2 way, Vec2 noise, double left);
   Vec2 OrcaVelocity(size_t person, Vec2 way, Vec2 noise, const Layers& layers, double dt);
   void SortByX();

@@ -42,7 +42,7 @@ std::optional<Vec2> Crowd::DrawPoint(size_t index, const Layers& layers, IsFree 
   return std::nullopt;
 }
 
-Vec2 Crowd::WayOf(size_t index, const Layers& layers) {
+Vec2 Crowd::DesiredDirection(size_t index, const Layers& layers) {
   const PersonSettings& person = people_[index];
   const Vec2 point = motions_[index].point;
   Progress& progress = progress_[index];
@@ -71,7 +71,8 @@ Vec2 Crowd::WayOf(size_t index, const Layers& layers) {
 }
 
 void Crowd::Scatter(Bodies& bodies, const Layers& layers) {
-  // The walk has numbers of its own: a batch begins them again after loading a world.
+  // Scattering must not use up random numbers of the walk: a batch seeds those anew when a world is
+  // loaded.
   const NormalNumbers of_walk = clock_.numbers;
   const double seed = clock_.numbers.DrawUniform();
   clock_.numbers = NormalNumbers(NormalNumbers::Mixed(static_cast<uint64_t>(seed * 0x1p53)));
@@ -124,7 +125,7 @@ Obstacle Crowd::SeenOther(size_t index, size_t other) const {
   return seen;
 }
 
-bool Crowd::Heeds(size_t index, size_t other) const {
+bool Crowd::Avoids(size_t index, size_t other) const {
   if (!others_[other].is_robot) return true;
   if (!people_[index].sees_robots) return false;
   return gives_way_[index] || LengthOf(motions_of_others_[other].velocity) < kStandingStill;
@@ -132,7 +133,7 @@ bool Crowd::Heeds(size_t index, size_t other) const {
 
 /// An encounter lasts as long as a robot is near: it begins with the draw, and the reaction time
 /// passes while a robot is seen.
-void Crowd::Meet(double dt) {
+void Crowd::UpdateEncounters(double dt) {
   gives_way_.assign(people_.size(), 1);
   for (size_t i = 0; i < people_.size(); ++i) {
     const PersonSettings& person = people_[i];
@@ -161,7 +162,7 @@ void Crowd::Meet(double dt) {
 // ---- Social force ----
 
 /// Two people avoid each other with opposite accelerations: gap, direction and relative velocity
-/// are the same for both, but for their signs, and with these the forces change theirs.
+/// are the same for both except for their signs, and the signs of the forces follow.
 void Crowd::SumForces(const Layers& layers) {
   const SocialForce& force = settings_.force;
   forces_.assign(people_.size(), {});
@@ -191,7 +192,7 @@ void Crowd::SumForces(const Layers& layers) {
       }
     }
     for (size_t k = 0; k < others_.size(); ++k) {
-      if (!Heeds(i, k)) continue;
+      if (!Avoids(i, k)) continue;
       const Obstacle seen = SeenOther(i, k);
       if (others_[k].is_robot && !Sees(i, -1.0 * seen.away)) continue;
       sum.repulsion = sum.repulsion + force.Repel(seen);
@@ -285,8 +286,8 @@ void Crowd::FindNeighbors(size_t index) {
   }
 }
 
-/// Robots are taken for discs that touch their nearest point; people leave nothing of the avoidance
-/// to them.
+/// Robots count as discs through their nearest point. People expect robots to do nothing, and make
+/// the whole change of velocity themselves.
 Vec2 Crowd::OrcaVelocity(size_t index, Vec2 way, Vec2 noise, const Layers& layers, double dt) {
   const OrcaSettings& orca = *settings_.orca;
   const PersonSettings& person = people_[index];
@@ -302,7 +303,7 @@ Vec2 Crowd::OrcaVelocity(size_t index, Vec2 way, Vec2 noise, const Layers& layer
   FindNeighbors(index);
   for (size_t k = 0; k < others_.size(); ++k) {
     const Outline& other = others_[k];
-    if (!Heeds(index, k)) continue;
+    if (!Avoids(index, k)) continue;
     const Obstacle seen = SeenOther(index, k);
     if (seen.gap > orca.distance || (other.is_robot && !Sees(index, -1.0 * seen.away))) continue;
     if (other.body->GetType() == b2_staticBody) {

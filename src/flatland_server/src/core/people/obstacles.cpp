@@ -7,9 +7,9 @@ namespace flatland {
 namespace {
 
 constexpr int kMostSides = 4;
-// The cosine of 80 degrees: two points of a wall count separately if they are seen farther apart.
-// On a straight wall, all points that far from the nearest one are more than 5 times as distant;
-// the walls of a right-angled corner both count.
+// The cosine of 80 degrees: two points of walls count separately if their directions differ by
+// more. On a straight wall, points that differ so much from the nearest one are more than 5 times
+// as far away. The two walls of a right-angled corner both count.
 constexpr double kAnotherSide = 0.17364817766693036;
 
 /// A point as seen from another: its distance [m], and the direction away from it.
@@ -77,9 +77,9 @@ void SeeWalls(const Layers& all, LayerBits layers, Vec2 point, double reach,
   found.clear();
   seen.clear();
   const Box box{{point.x - reach, point.y - reach}, {point.x + reach, point.y + reach}};
-  for (const Layers::Layer& layer : all.all()) {
-    if ((layer.bits & layers) == 0) continue;
-    const SegmentTree& walls = layer.walls();
+  for (const auto& layer : all.all()) {
+    if ((layer->layers() & layers) == 0) continue;
+    const SegmentTree& walls = layer->walls();
     walls.ForEachLeafAt(box, [&](size_t leaf) {
       walls.ForEachWall(leaf, [&](uint32_t index) {
         const Segment& wall = walls.segments()[index];

@@ -25,7 +25,8 @@ struct Outline {
   Obstacle SeenFrom(Vec2 point, Vec2 position, const Rotation& heading) const;
 };
 
-/// The outlines of the bodies that can be touched on these layers, but for layers and some bodies.
+/// The outlines of the bodies that can be touched on these layers, without walls and without the
+/// bodies for which `is_left_out` is true.
 std::vector<Outline> FindOutlines(const Bodies& bodies, LayerBits layers,
                                   const std::function<bool(Bodies::Body)>& is_left_out);
 

@@ -16,7 +16,7 @@ double DistanceFrom(const HalfPlane& plane, Vec2 velocity) {
   return Cross(plane.direction, plane.point - velocity);
 }
 
-/// A velocity to be found, of at most a length.
+/// An objective for the velocity, which may have a length of `most` [m/s].
 struct Aim {
   Vec2 optimum;      // the nearest to this one; or
   bool is_farthest;  // the farthest in this direction, of length 1
@@ -29,7 +29,7 @@ struct Aim {
   }
 };
 
-/// The best velocity on the line of a half plane that is in all those before it.
+/// The best velocity on the line of a half plane, of those that are in all half planes before it.
 std::optional<Vec2> BestOnLine(const std::vector<HalfPlane>& planes, size_t index, const Aim& aim) {
   const auto& [point, direction] = planes[index];
   const double middle = -Dot(point, direction);
@@ -52,9 +52,9 @@ std::optional<Vec2> BestOnLine(const std::vector<HalfPlane>& planes, size_t inde
   return point + at * direction;
 }
 
-/// Finds the best velocity in the half planes up to the first one that leaves none; returns the
-/// number of those that are kept to. They are added one by one: if the best velocity so far is not
-/// in the next one, the best in both is on its line.
+/// Finds the best velocity in the half planes before the first one that leaves none, and returns
+/// their number. Half planes are added one by one: if the best velocity so far is not in the next
+/// one, the new best is on the line of that half plane.
 size_t FindBest(const std::vector<HalfPlane>& planes, const Aim& aim, Vec2& best) {
   best = aim.Unrestricted();
   for (size_t i = 0; i < planes.size(); ++i) {
@@ -66,8 +66,8 @@ size_t FindBest(const std::vector<HalfPlane>& planes, const Aim& aim, Vec2& best
   return planes.size();
 }
 
-/// The velocities that are as far from both half planes, or nearer to the second: a half plane, or
-/// none if both have the same direction.
+/// The velocities that are at least as near to the second half plane as to the first. They are a
+/// half plane; none if both have the same direction.
 std::optional<HalfPlane> NearerTo(const HalfPlane& second, const HalfPlane& first) {
   const double sine = Cross(first.direction, second.direction);
   Vec2 point;

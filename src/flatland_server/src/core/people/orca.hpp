@@ -8,8 +8,8 @@
 /// a truncated cone. The least change of the relative velocity that leaves the cone is shared with
 /// the neighbour; what remains for the agent is a half plane of permitted velocities. A linear
 /// programme in two dimensions finds the velocity in all half planes that is nearest to the
-/// preferred one; if there is none, one in three dimensions finds that which enters forbidden
-/// ones least.
+/// preferred one; if there is none, a programme in three dimensions finds the velocity that
+/// violates the half planes least.
 
 #include <cstddef>
 #include <vector>
@@ -43,11 +43,11 @@ struct OrcaSettings {
   void Require() const;
 };
 
-/// The half plane of a neighbour, for an agent of a velocity [m/s]. Those that overlap are to be
-/// apart after `dt` [s].
+/// The half plane of a neighbour, for an agent with a velocity [m/s]. If the two overlap, they must
+/// be apart after `dt` [s].
 HalfPlane AvoidNeighbor(const OrcaNeighbor& other, Vec2 velocity, double horizon, double dt);
-/// The half plane of the nearest point of a wall, its gap less the agent's radius: approached so
-/// slowly that it takes the horizon [s].
+/// The half plane of the nearest point of a wall, at a gap without the agent's radius: the agent
+/// may approach it only so fast that the gap lasts for the horizon [s].
 HalfPlane AvoidWall(const Obstacle& wall, double horizon);
 /// The velocity in all half planes, at most `most` [m/s] long, that is nearest to the preferred
 /// one. The first `walls` half planes are kept to even if others cannot be.

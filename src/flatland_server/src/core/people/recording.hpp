@@ -1,6 +1,6 @@
 #pragma once
 
-/// Walks of people that were recorded, one after the other: those that a body follows.
+/// Recorded walks of people, one after the other, which a body follows.
 
 #include <cstdint>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace flatland {
 
-/// Where people are that have not come yet, or have gone: beyond both coordinates [m].
+/// People who have not come yet, or have gone, are beyond this along both axes [m].
 constexpr double kAway = 9e4;
 
 struct Recording {

@@ -24,8 +24,8 @@ double Bell(double factor, double angle) {
   return std::exp(-deviation * deviation);
 }
 
-/// Writes what FindNear finds to an array with room for a group more than there are people; returns
-/// how many they are. `far` is the gap beyond which there is no repulsion [m].
+/// Writes the result of FindNear to an array that has room for all people and kGroup more. Returns
+/// their number. `far` is the gap beyond which there is no repulsion [m].
 ///
 /// With the offset s of length d from the person to another, and the relative velocity w, the D of
 /// Evade has

@@ -32,8 +32,8 @@ struct Obstacle {
   Vec2 away;
 };
 
-/// People, with an array for each number, so that several are computed at a time: arrays go on
-/// behind the last person, with numbers that do not matter.
+/// People as a structure of arrays, so that several are computed at a time. The arrays are padded
+/// behind the last person; the padding does not matter.
 struct Walkers {
   void Resize(size_t count);
   void Set(size_t index, Vec2 point, Vec2 velocity, double radius);
@@ -53,7 +53,7 @@ struct SocialForce {
   double side_preference = 0.005;  ///< epsilon: evades to the right; negative: to the left [rad/m]
   double noise = 0.05;  ///< standard deviation of a walking person's velocity on each axis [m/s]
 
-  /// Throws std::invalid_argument if a constant is not finite, or none of a model.
+  /// Throws std::invalid_argument if a constant is not finite, or has a value that makes no sense.
   void Require() const;
   /// The acceleration away from an obstacle [m/s^2]. Overlap counts as touching: separating
   /// overlapping bodies is left to Box2D.
@@ -76,8 +76,9 @@ struct SocialForce {
   /// The velocity [m/s] after `dt` [s] of the driving force and a constant acceleration: the exact
   /// solution of dv/dt = (desired - v) / tau + acceleration. `left` is LeftAfter(dt).
   Vec2 Relax(Vec2 velocity, Vec2 desired, Vec2 acceleration, double left) const;
-  /// The standard deviation [m/s] of what is added to velocities after `dt` [s] of Relax, such that
-  /// they scatter by `noise`: with it, an Ornstein-Uhlenbeck process, whatever `dt` is.
+  /// The standard deviation [m/s] of the random change of a velocity after `dt` [s] of Relax. It
+  /// keeps the deviation of velocities at `noise` for any `dt`: they are an Ornstein-Uhlenbeck
+  /// process.
   double ScatterAfter(double dt) const;
 };
 

@@ -3,15 +3,15 @@
 /// Messages on their way to the sockets of subscribers.
 ///
 /// Need: a hundred robots publish thousands of messages in a second of simulated time, and ten
-/// times as many when it passes ten times as fast. A call of the system takes as long as several
-/// steps of a small world, and a subscriber that does not keep up must not delay the simulation.
+/// times as many when it passes ten times as fast. A system call takes as long as several steps of
+/// a small world, and a slow subscriber must not delay the simulation.
 ///
-/// Method: each subscriber to a topic has a queue. A message is only added; `Outbox::Send` sends
-/// all queues that have some, each in one call of the system, as far as its socket takes them
-/// without waiting. What a socket does not take stays: the oldest are dropped if there are more
-/// than `limit`, except those that have waited for less than `patience`: a subscriber that keeps up
-/// may need it before the system runs it again. One thread for all queues waits until such sockets
-/// have room, and sends the rest. None of this needs Python's lock.
+/// Method: each subscriber to a topic has a queue. Publishing only adds a message. `Outbox::Send`
+/// sends all queues, each in one system call, as far as its socket takes messages without blocking.
+/// The others stay in the queue. If there are more than `limit`, the oldest are dropped, except
+/// those that have waited for less than `patience`: so long it may take until the system runs a
+/// subscriber that keeps up. One thread for all queues waits until such sockets have room, and
+/// sends the rest. None of this needs Python's lock.
 
 #include <chrono>
 #include <cstddef>
@@ -29,8 +29,8 @@ class SubscriberQueue : public std::enable_shared_from_this<SubscriberQueue> {
   using Seconds = std::chrono::duration<double>;
 
   /// @param socket  descriptor; the queue has its own, of the same connection
-  /// @param limit  messages that wait while the socket is full; 0 is any number
-  /// @param patience  for which more of them may wait
+  /// @param limit  number of messages that wait while the socket is full; 0: any number
+  /// @param patience  time for which messages beyond the limit are kept
   /// Throws std::system_error if there is no such descriptor, or there are too many.
   SubscriberQueue(int socket, std::size_t limit, Seconds patience);
   ~SubscriberQueue() { Close(); }
@@ -58,7 +58,7 @@ class SubscriberQueue : public std::enable_shared_from_this<SubscriberQueue> {
 
   struct Message {
     std::string bytes;
-    Clock::time_point left = {};  // when the socket did not take it
+    Clock::time_point left = {};  // when the socket was first full for it
   };
 
   void SendMessages();  // these need the lock
@@ -76,13 +76,13 @@ class SubscriberQueue : public std::enable_shared_from_this<SubscriberQueue> {
   Status status_;
 };
 
-/// The queues with messages that wait, in the order of their first ones.
+/// The queues with waiting messages, ordered by the time of the first one.
 class Outbox {
  public:
   using Seconds = SubscriberQueue::Seconds;
 
-  /// @param period  real time that a message is to wait at most
-  /// @param most  messages of a queue that are to wait at most
+  /// @param period  longest time that a message should wait, real time
+  /// @param most  number of waiting messages in a queue that makes them due
   Outbox(Seconds period, std::size_t most) : period_(period), most_(most) {}
 
   /// Adds a message to a queue, to be sent later. Returns false if its connection has failed.

@@ -19,7 +19,7 @@ inline double DiamondAngle(Vec2 v) {
   return v.x >= 0.0 ? slant : std::copysign(2.0, v.y) - slant;
 }
 
-/// Allocates arrays that begin with a cache line, so that no group of beams lies in two of them.
+/// Allocates arrays that begin at a cache line, so that no group of beams is in two lines.
 template <class T>
 struct AlignedAllocator {
   using value_type = T;

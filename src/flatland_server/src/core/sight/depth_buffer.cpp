@@ -65,7 +65,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Relative tolerance of the range: a wall at exactly the range is seen.
 constexpr double kRangeTolerance = 1e-12;
-/// A reflecting wall or fixture may be farther than another by this fraction, and is still seen.
+/// A reflecting wall or fixture that is farther than another one by up to this fraction is still
+/// seen.
 constexpr double kTieTolerance = 1e-9;
 
 /// A shape at this distance, or nearer, counts as one that contains the lidar [m]: from a point of
@@ -77,7 +78,7 @@ constexpr float kRings[] = {2.0f, 4.0f, 8.0f, std::numeric_limits<float>::infini
 /// A lidar that is farther from where it was [m] has jumped, and sees other walls.
 constexpr double kJump = 1.0;
 
-/// Draws walls, the last ones of them together with copies of the last one.
+/// Draws walls in blocks; the last block is filled up with copies of the last wall.
 FLATLAND_INLINE void DrawEach(const Segment* segments, const LidarView& view, const uint32_t* walls,
                               int count) {
   for (int i = 0; i < count; i += kBlock) {
@@ -94,8 +95,8 @@ FLATLAND_CLONES void DrawAll(const Segment* segments, const LidarView& view, con
 
 FLATLAND_CLONES void Update(Horizon& horizon, const double* inverse) { horizon.Update(inverse); }
 
-/// Draws the walls that the tree's view has and the horizon does not hide, but for those that are
-/// drawn, and adds them to what is seen.
+/// Draws the walls in the view of the tree that the horizon does not hide, except those that are
+/// drawn already, and adds all of them to `seen`.
 FLATLAND_CLONES void DrawRing(const SegmentTree& walls, const LidarView& view,
                               const Horizon& horizon, const TreeView& tree, const char* is_drawn,
                               SearchLists& lists, SeenWalls* seen) {

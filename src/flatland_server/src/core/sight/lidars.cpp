@@ -148,19 +148,17 @@ void Lidars::ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& 
 template <class Choose>
 void Lidars::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& settings,
                     SeenWalls* seen, Choose choose) const {
-  // What was seen last is kept of the layer with most walls.
-  const auto is_seen = [&](const Layers::Layer& layer) {
-    return (layer.bits & settings.layers) != 0;
-  };
+  // Only for the layer with most walls, the walls that were seen last are kept.
+  const auto is_seen = [&](const auto& layer) { return (layer->layers() & settings.layers) != 0; };
   size_t most = 0;
-  for (const Layers::Layer& layer : layers_.all()) {
-    if (is_seen(layer)) most = std::max(most, layer.walls().segment_count());
+  for (const auto& layer : layers_.all()) {
+    if (is_seen(layer)) most = std::max(most, layer->size());
   }
-  for (const Layers::Layer& layer : layers_.all()) {
-    if (!is_seen(layer) || !choose(layer.bits)) continue;
-    const SegmentTree& walls = layer.walls();
+  for (const auto& layer : layers_.all()) {
+    if (!is_seen(layer) || !choose(layer->layers())) continue;
+    const SegmentTree& walls = layer->walls();
     SeenWalls* const last = walls.segment_count() == most ? seen : nullptr;
-    const auto* const visible = layer.visible->From({pose.x, pose.y});
+    const auto* const visible = layer->visible().From({pose.x, pose.y});
     if (last != nullptr) {
       last->known = visible == nullptr ? nullptr : visible->data();
       last->known_count = visible == nullptr ? 0 : static_cast<int>(visible->size());

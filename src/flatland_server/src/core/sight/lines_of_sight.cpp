@@ -24,11 +24,11 @@ bool Cross(const Segment& a, const Segment& b) {
 }  // namespace
 
 LinesOfSight::LinesOfSight(std::vector<Segment> walls) {
-  const auto shared = VisibleWalls::Share(std::move(walls));  // with the layer
+  const auto shared = VisibleWalls::Share(std::move(walls));  // with the layer of the world
   walls_ = {shared, &shared->all()};
 }
 
-/// Piece by piece, as the box of a long line has many walls that are far from it.
+/// Tests pieces of the line: many walls in the bounding box of a long line are far from it.
 bool LinesOfSight::IsBlocked(const Segment& line) const {
   const Vec2 way = line.b - line.a;
   const double length = std::hypot(way.x, way.y);

@@ -8,10 +8,10 @@
 namespace flatland {
 namespace {
 
-/// Boxes are made wider by this part of the tree's size, as coordinates, and the place of a lidar
-/// in it, are in single precision.
+/// Boxes are enlarged by this fraction of the tree's size, since coordinates and the position of
+/// the lidar are in single precision.
 constexpr double kRounding = 4e-7;
-/// Rounding matters within this part of the half perimeter of a leaf.
+/// Rounding matters within a distance of this fraction of the half perimeter of a leaf.
 constexpr double kNear = 0.05;
 /// The top level has no more nodes than this.
 constexpr size_t kMostAtTop = 4;

@@ -109,7 +109,8 @@ class SegmentTree {
     for (size_t i = 0; i < top().size(); ++i) ForEachLeafAt(levels_.size() - 1, i, box, visit);
   }
   /// The least `distance(index)` of a wall, with an index in segments(), or `limit` if none is
-  /// below. Walls with boxes farther than that from this box are left out.
+  /// below it. Walls are skipped if their boxes are farther than the least distance so far from
+  /// `box`.
   template <class Distance>
   double Least(const Box& box, double limit, Distance distance) const {
     for (size_t i = 0; i < top().size(); ++i) {

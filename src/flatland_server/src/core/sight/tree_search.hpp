@@ -32,7 +32,7 @@ struct SearchLists {
   std::vector<int> here, next;
 };
 
-/// Appends the numbers of those lanes that are not hidden. There is a place more in `list`.
+/// Appends the numbers of the lanes that are not hidden. `list` must have room for one more.
 FLATLAND_INLINE int AppendVisible(const Lanes& lanes, int count, const Hiding& hiding, int* list) {
   int found = 0;
   for (int k = 0; k < count; ++k) {

@@ -18,10 +18,10 @@ constexpr double kCellSize = 0.5;  // [m]
 constexpr double kMaxCells = 262'144;
 /// With fewer walls, drawing them all is as fast.
 constexpr size_t kMinWalls = 64;
-/// Of all cells together: 4 bytes each.
+/// Most indices kept for all cells together, of 4 bytes each.
 constexpr size_t kMaxFound = 4'000'000;
 
-/// Of the first walls: whether all are equal is compared anyway.
+/// A hash of the first walls. If hashes are equal, all walls are compared.
 size_t HashOf(const std::vector<Segment>& segments) {
   const auto* bytes = reinterpret_cast<const char*>(segments.data());
   const size_t count = std::min<size_t>(segments.size(), 100);
@@ -55,7 +55,7 @@ std::shared_ptr<const VisibleWalls> VisibleWalls::Share(std::vector<Segment> seg
   auto walls = std::make_shared<const VisibleWalls>(std::move(segments), progress);
   const std::lock_guard lock(mutex);
   if (auto other = find(walls->all().segments())) return other;
-  // Drops those that nothing uses; this takes no time compared with building a new one.
+  // Drops the entries that are not in use, which is fast compared with building a new one.
   for (auto i = known.begin(); i != known.end();) {
     i = i->second.expired() ? known.erase(i) : std::next(i);
   }
@@ -95,7 +95,7 @@ const std::vector<uint32_t>* VisibleWalls::From(Vec2 point) const {
                      origin_ + cell_size_ * Vec2{column + 1.0, row + 1.0}});
 }
 
-/// Called by one thread for each cell.
+/// Called by only one thread for a cell.
 const std::vector<uint32_t>* VisibleWalls::Find(Cell& cell, const Box& box) const {
   std::vector<uint32_t> walls = WallsSeenFrom(all_, *corners_, box);
   walls.shrink_to_fit();

@@ -118,27 +118,27 @@ class Finder {
   /// A point of a chain, in the direction between two buckets.
   struct Sample {
     double angle;  // [rad]
-    double limit;  // by which lines from the disc past the point turn from that, at most [rad]
+    double limit;  // greatest angle of a line from the disc through the point to that [rad]
     double far;    // greatest radius of the chain since the sample before [m]
-    double back;   // the same of where it goes back
+    double back;   // the same, of the parts that lead back
   };
   /// A corner of a chain where it leads on.
   struct Vertex {
     double place;  // buckets
     Vec2 point;    // relative to the centre [m]
-    double back;   // greatest radius of where the chain goes back since the vertex before, or 0 [m]
+    double back;   // greatest radius of the parts that lead back since the vertex before [m]
   };
   /// The vertices of a chain from right to left, by their numbers.
   struct Chain {
     size_t begin, end;
     double nearest;  // radius of a vertex [m]
   };
-  /// What a chain is made of to one side.
+  /// One side of a chain.
   struct Trail {
     std::vector<Sample> samples;
     std::vector<Vertex> vertices;
   };
-  /// In chain_of_: of a wall in no chain, and of a hidden one.
+  /// Values of chain_of_ for a wall in no chain, and for a hidden one.
   static constexpr int kNone = -1, kHidden = -2;
 
   static const Buckets& buckets() {
@@ -186,9 +186,9 @@ class Finder {
     const double limit = sine / std::sqrt(1.0 - sine * sine) + kAngleTolerance;
     return {AngleOf(boundary), limit, far, back};
   }
-  /// Follows a chain along a wall to this end of it and beyond, to the left (side 1) or to the
-  /// right
-  /// (-1), and samples it from a boundary on. A detour is included if the chain advances after it.
+  /// Follows a chain along a wall to its `end` and beyond, to the left (`side` 1) or to the right
+  /// (`side` -1), and samples it from a boundary on. A detour is included if the chain advances
+  /// after it.
   void Trace(uint32_t end, double side, int boundary, Trail& trail) {
     Vec2 from = PointOf(Corners::OtherEnd(end));
     double place = Buckets::Of(from), farthest = place;
@@ -208,7 +208,8 @@ class Finder {
       detour_.push_back(Corners::WallOf(end));
       for (; side * boundary <= side * place; boundary += static_cast<int>(side)) {
         const Vec2 direction = buckets().directions[IndexOf(boundary)];
-        // NaN for a wall along the direction becomes a distance at which nothing is hidden.
+        // A wall along the direction gives NaN, which is replaced by a distance at which nothing is
+        // hidden.
         const double radius = Cross(from, to) / Cross(direction, to - from);
         const double usable = std::min(most, std::max(radius_, radius));
         trail.samples.push_back(

@@ -20,7 +20,7 @@ class Bodies : public SlotMap<BodyRecord> {
 
   /// Changes whenever something is added, removed or moved.
   uint64_t revision() const { return revision_; }
-  /// Like that, except that movements of bodies that may move do not change it.
+  /// Like revision(), except that it ignores movements of bodies that may move.
   uint64_t structure_revision() const { return structure_revision_; }
   /// To be called when bodies that may move are moved.
   void ChangePoses() { ++revision_; }
@@ -38,7 +38,7 @@ class Bodies : public SlotMap<BodyRecord> {
     return handle;
   }
   /// From now on the body may move in a step.
-  void LetMove(Body body) {
+  void AllowMotion(Body body) {
     if (Get(body).may_move) return;
     Get(body).may_move = true;
     ChangeStructure();

@@ -40,8 +40,9 @@ struct BodyRecord {
     std::vector<Block> blocks;    // in ascending order
   };
 
-  /// Gives a dynamic body a mass. Setting what GetMassData returns afterwards gives another body
-  /// the same bits: the first time, the sum of two inertias may be rounded.
+  /// Gives a dynamic body a mass. Box2D rounds the inertia when it is set. So it is set a second
+  /// time, as GetMassData returns it: then a body that is restored from GetMassData has the same
+  /// bits.
   void SetMass(b2MassData data) const {
     body->SetMassData(&data);
     body->GetMassData(&data);

@@ -1,6 +1,6 @@
 #include "world/box2d_copies.hpp"
 
-#include "world/box2d_internals.hpp"
+#include "base/box2d_internals.hpp"
 
 namespace flatland::box2d {
 
@@ -27,15 +27,26 @@ b2FixtureDef DefinitionOf(b2Fixture& fixture) {
   return definition;
 }
 
+namespace {
+
+/// The definition of a joint between bodies, with what all joints have.
+template <class Definition, class Joint>
+Definition Define(b2Joint& old, const Joint& joint, b2Body* a, b2Body* b) {
+  Definition definition;
+  definition.bodyA = a;
+  definition.bodyB = b;
+  definition.collideConnected = old.GetCollideConnected();
+  definition.localAnchorA = joint.GetLocalAnchorA();
+  definition.localAnchorB = joint.GetLocalAnchorB();
+  return definition;
+}
+
+}  // namespace
+
 b2Joint* CopyJoint(b2World& world, b2Joint& old, b2Body* a, b2Body* b) {
   if (old.GetType() == e_weldJoint) {
     const auto& weld = static_cast<b2WeldJoint&>(old);
-    b2WeldJointDef definition;
-    definition.bodyA = a;
-    definition.bodyB = b;
-    definition.collideConnected = old.GetCollideConnected();
-    definition.localAnchorA = weld.GetLocalAnchorA();
-    definition.localAnchorB = weld.GetLocalAnchorB();
+    auto definition = Define<b2WeldJointDef>(old, weld, a, b);
     definition.referenceAngle = weld.GetReferenceAngle();
     definition.stiffness = weld.GetStiffness();
     definition.damping = weld.GetDamping();
@@ -43,23 +54,13 @@ b2Joint* CopyJoint(b2World& world, b2Joint& old, b2Body* a, b2Body* b) {
   }
   if (old.GetType() == e_frictionJoint) {
     const auto& friction = static_cast<b2FrictionJoint&>(old);
-    b2FrictionJointDef definition;
-    definition.bodyA = a;
-    definition.bodyB = b;
-    definition.collideConnected = old.GetCollideConnected();
-    definition.localAnchorA = friction.GetLocalAnchorA();
-    definition.localAnchorB = friction.GetLocalAnchorB();
+    auto definition = Define<b2FrictionJointDef>(old, friction, a, b);
     definition.maxForce = friction.GetMaxForce();
     definition.maxTorque = friction.GetMaxTorque();
     return world.CreateJoint(&definition);
   }
   const auto& hinge = static_cast<b2RevoluteJoint&>(old);
-  b2RevoluteJointDef definition;
-  definition.bodyA = a;
-  definition.bodyB = b;
-  definition.collideConnected = old.GetCollideConnected();
-  definition.localAnchorA = hinge.GetLocalAnchorA();
-  definition.localAnchorB = hinge.GetLocalAnchorB();
+  auto definition = Define<b2RevoluteJointDef>(old, hinge, a, b);
   definition.referenceAngle = hinge.GetReferenceAngle();
   definition.enableLimit = hinge.IsLimitEnabled();
   definition.lowerAngle = hinge.GetLowerLimit();

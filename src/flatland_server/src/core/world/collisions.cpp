@@ -25,7 +25,8 @@ void Collisions::Restore(Collision collision) {
 }
 
 void Collisions::Begin(const Contact& contact, bool has_sensor) {
-  // The solver does not see a sensor's contact; a solid one is recorded when it is solved.
+  // The solver skips contacts of sensors, so they are recorded here. Solid ones are recorded in
+  // Solve.
   if (has_sensor) present_.push_back({++count_, contact.a, contact.b, true, {}, {}, {}});
 }
 

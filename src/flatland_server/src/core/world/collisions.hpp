@@ -28,14 +28,14 @@ class Collisions {
  public:
   explicit Collisions(const Bodies& bodies) : bodies_(bodies) {}
 
-  /// The collisions of the last step: first those that last, in the order of their numbers, then
-  /// those that ended in it.
+  /// The collisions of the last step: first those that continue, ordered by number, then those that
+  /// ended in the step.
   const std::vector<Collision>& last() const { return last_; }
   /// Length of that step [s].
   double last_step() const { return last_step_; }
-  /// The collisions that last, in the order of their numbers.
+  /// The collisions that continue, ordered by number.
   const std::vector<Collision>& present() const { return present_; }
-  /// Restores a collision of a saved `present`.
+  /// Adds a collision that was in present() when the state was saved.
   void Restore(Collision collision);
 
   // Events of recorded contacts.
@@ -49,8 +49,8 @@ class Collisions {
 
  private:
   std::vector<Collision>::iterator Find(Fixture a, Fixture b);
-  /// True unless a solid contact was disabled: the solver sees all others but those of sleeping
-  /// bodies.
+  /// True if a collision continues. A solid one continues if it was solved in this step; if not, it
+  /// was disabled, unless both bodies are asleep or not dynamic.
   bool Lasts(const Collision& collision) const;
 
   const Bodies& bodies_;

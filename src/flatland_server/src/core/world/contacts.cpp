@@ -51,7 +51,7 @@ Contact Contacts::MakeContact(b2Contact& contact, ContactEvent event) const {
   return Contact(contact, event, fixture(contact.GetFixtureA()), fixture(contact.GetFixtureB()));
 }
 
-// Box2D keeps its contacts in the order of their discovery, which depends on its tree.
+// They are sorted, as the order of Box2D's contacts depends on its tree.
 std::vector<Touch> Contacts::GetTouches() const {
   access_.RequireAccess();
   std::vector<Touch> touches;

@@ -47,8 +47,8 @@ class Contacts : private b2ContactListener {
   /// last step has found it.
   bool Touches(const std::vector<Bodies::Body>& bodies) const;
 
-  /// Calls an action after the step, if its body still exists: Box2D clears at its end all forces
-  /// that the listener has applied.
+  /// Calls an action after the step, if its body still exists. During a step the listener cannot
+  /// apply forces itself: Box2D clears them at the end of the step.
   void Defer(Bodies::Body body, std::function<void(b2Body&)> action) {
     deferred_.emplace_back(body, std::move(action));
   }

@@ -51,7 +51,7 @@ MassSum MassSum::With(const b2MassData& fixture) const {
   sum.inertia_ += fixture.I;
   sum.moment_ = sum.moment_ + double{fixture.mass} * FromBox2D(fixture.center);
   const b2MassData total = sum.ToBox2D();
-  if (total.mass <= 0.0f || total.I <= 0.0f) return sum;  // not asserted
+  if (total.mass <= 0.0f || total.I <= 0.0f) return sum;  // Box2D asserts nothing then
   RequireInertia(total, "a footprint is too small for its distance from the body's origin");
   return sum;
 }

@@ -60,8 +60,8 @@ void RequireInertia(const b2MassData& mass, const char* message);
 /// takes minutes for a body of some ten thousand. So AddFixture sets a body's mass by this sum.
 class MassSum {
  public:
-  /// The sum with one more fixture. It throws unless a dynamic body of these fixtures has an
-  /// inertia (RequireInertia), as a small shape far from the origin has not.
+  /// The sum with one more fixture. Throws unless a dynamic body with these fixtures has an inertia
+  /// (RequireInertia). A small shape far from the origin may have none.
   MassSum With(const b2MassData& fixture) const;
   /// For b2Body::SetMassData.
   b2MassData ToBox2D() const;

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/box2d_internals.hpp"
 #include "base/box2d_limits.hpp"
 #include "base/to_box2d.hpp"
-#include "sight/segment_tree.hpp"
 #include "sight/visible_fixture.hpp"
-#include "world/box2d_internals.hpp"
 
 namespace flatland {
 namespace {
@@ -32,13 +31,13 @@ struct Reach {
   LayerBits layers = 0;
 };
 
-/// How far a body is from where its walls were looked up, along the axis where that is more.
-float WayOf(const BodyRecord& record) {
+/// Distance of a body from where its walls were looked up, along the axis where it is greater.
+float DistanceMoved(const BodyRecord& record) {
   const b2Vec2 way = b2Abs(record.body->GetWorldCenter() - record.nearby.center);
   return std::max(way.x, way.y);
 }
 
-/// Bodies that sleep have the walls that they had, and others have no contacts with walls.
+/// True for awake dynamic bodies. Sleeping ones keep their walls; others do not collide with walls.
 bool MayReachWalls(const BodyRecord& record) {
   return record.body->IsAwake() && record.body->GetType() == b2_dynamicBody;
 }
@@ -54,8 +53,7 @@ void RequireWalls(const std::vector<Segment>& walls) {
 }
 
 void Layers::CopyFrom(const Layers& other) {
-  all_ = other.all_;
-  for (const auto& each : other.nearby_) nearby_.push_back(std::make_unique<NearbyWalls>(*each));
+  for (const auto& each : other.all_) all_.push_back(std::make_unique<NearbyWalls>(*each));
 }
 
 Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits bits,
@@ -66,24 +64,16 @@ Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits b
   record.is_layer = true;
   record.layer = static_cast<uint32_t>(all_.size());
   record.may_move = false;
-  all_.push_back({VisibleWalls::Share(std::move(walls), progress), bits});
+  auto visible = VisibleWalls::Share(std::move(walls), progress);
   const Bodies::Body handle = bodies_.Add(std::move(record));
-  const auto& visible = all_.back().visible;
-  nearby_.push_back(std::make_unique<NearbyWalls>(
-      std::shared_ptr<const SegmentTree>(visible, &visible->all()), bits, handle.index));
+  all_.push_back(std::make_unique<NearbyWalls>(std::move(visible), bits, handle.index));
   bodies_.ForEach([](auto, BodyRecord& each) { each.nearby.is_current = false; });
   return handle;
 }
 
-void Layers::ExchangeFirst(std::shared_ptr<const VisibleWalls>& walls) {
-  const auto& present = all_.front().visible;
-  all_.front().visible.swap(walls);
-  nearby_.front()->Replace(std::shared_ptr<const SegmentTree>(present, &present->all()));
-}
-
 int Layers::held_body_count() const {
   int count = 0;
-  for (const auto& each : nearby_) count += each->held_block_count();
+  for (const auto& each : all_) count += each->held_block_count();
   return count;
 }
 
@@ -94,30 +84,31 @@ int Layers::held_wall_count() const {
 }
 
 size_t Layers::FixtureCountOf(const BodyRecord& record) const {
-  return record.is_layer ? nearby_[record.layer]->size() : record.fixtures.size();
+  return record.is_layer ? all_[record.layer]->size() : record.fixtures.size();
 }
 
 b2Fixture* Layers::FixtureOrNull(const BodyRecord& record, uint32_t index) const {
-  return record.is_layer ? nearby_[record.layer]->Find(index) : record.fixtures[index].fixture;
+  return record.is_layer ? all_[record.layer]->Find(index) : record.fixtures[index].fixture;
 }
 
 void Layers::HoldWallsNearBodies(b2World& world, float dt) {
-  if (nearby_.empty()) return;
+  if (all_.empty()) return;
   for (BodyRecord* const record : bodies_.Moving()) {
     if (!MayReachWalls(*record)) continue;
     const float step = std::min(record->body->GetLinearVelocity().Length() * dt, b2_maxTranslation);
-    if (record->nearby.is_current && WayOf(*record) + step <= record->nearby.room) continue;
+    if (record->nearby.is_current && DistanceMoved(*record) + step <= record->nearby.room) continue;
     const b2Vec2 center = record->body->GetWorldCenter();
     HoldWallsNear(world, *record, {center, center}, room_ + step);
   }
 }
 
 bool Layers::HoldWallsOnTheWay(b2World& world) {
-  if (nearby_.empty()) return false;
+  if (all_.empty()) return false;
   bool has_come_far = false;
   for (BodyRecord* const record : bodies_.Moving()) {
     const BodyRecord::Nearby& nearby = record->nearby;
-    if (!MayReachWalls(*record) || (nearby.is_current && WayOf(*record) <= nearby.room)) continue;
+    if (!MayReachWalls(*record) || (nearby.is_current && DistanceMoved(*record) <= nearby.room))
+      continue;
     const b2Sweep& sweep = box2d::Sweep(*record->body);
     HoldWallsNear(world, *record, {b2Min(sweep.c0, sweep.c), b2Max(sweep.c0, sweep.c)}, room_);
     has_come_far = true;
@@ -132,24 +123,24 @@ void Layers::HoldWallsNear(b2World& world, BodyRecord& record, const b2AABB& cen
                 {centers.upperBound.x + size, centers.upperBound.y + size}};
   BodyRecord::Nearby nearby{true, record.body->GetWorldCenter(), room, {}};
   const int32 moves = box2d::MoveCount(world);
-  for (uint32_t i = 0; i < nearby_.size(); ++i) {
-    if ((nearby_[i]->layers() & reach.layers) == 0) continue;
-    nearby_[i]->ForEachBlockAt(box, [&](uint32_t number) { nearby.blocks.push_back({i, number}); });
+  for (uint32_t i = 0; i < all_.size(); ++i) {
+    if ((all_[i]->layers() & reach.layers) == 0) continue;
+    all_[i]->ForEachBlockAt(box, [&](uint32_t number) { nearby.blocks.push_back({i, number}); });
   }
   HoldWallsOf(world, record, std::move(nearby));
-  // The body looks for the walls, so that not each of them has to.
+  // Box2D searches the new contacts from the body, instead of from each wall.
   box2d::SkipPairsOfNewFixtures(world, moves);
   box2d::FindPairsAgain(*record.body);
 }
 
 void Layers::HoldWallsOf(b2World& world, BodyRecord& record, BodyRecord::Nearby nearby) {
-  for (const auto& [layer, number] : nearby.blocks) nearby_[layer]->Hold(world, number);
-  for (const auto& [layer, number] : record.nearby.blocks) nearby_[layer]->Release(world, number);
+  for (const auto& [layer, number] : nearby.blocks) all_[layer]->Hold(world, number);
+  for (const auto& [layer, number] : record.nearby.blocks) all_[layer]->Release(world, number);
   record.nearby = std::move(nearby);
 }
 
 void Layers::AppendHeldFixtures(std::vector<b2Fixture*>& fixtures) const {
-  for (const auto& each : nearby_) each->AppendFixtures(fixtures);
+  for (const auto& each : all_) each->AppendFixtures(fixtures);
 }
 
 }  // namespace flatland

@@ -7,7 +7,7 @@
 namespace flatland {
 namespace {
 
-/// One material in place of one for each wall, if all are equal.
+/// True if all are equal: then one material is kept in place of one for each wall.
 bool AreEqual(const std::vector<Material>& materials) {
   return std::all_of(materials.begin(), materials.end(),
                      [&](const Material& each) { return each == materials.front(); });
@@ -23,7 +23,7 @@ b2EdgeShape EdgeOf(const Segment& wall) {
 
 size_t NearbyWalls::CountWalls(uint32_t block) const {
   size_t count = 0;
-  walls_->ForEachWall(block, [&](uint32_t) { ++count; });
+  walls().ForEachWall(block, [&](uint32_t) { ++count; });
   return count;
 }
 
@@ -42,8 +42,8 @@ void NearbyWalls::Hold(b2World& world, uint32_t number) {
   definition.userData.pointer = owner_;
   b2Body& body = *world.CreateBody(&definition);
   held_.insert(place, {number, 1, &body});
-  walls_->ForEachWall(number, [&](uint32_t index) {
-    const b2EdgeShape edge = EdgeOf(walls_->segments()[index]);
+  walls().ForEachWall(number, [&](uint32_t index) {
+    const b2EdgeShape edge = EdgeOf(walls().segments()[index]);
     const Material& material = GetMaterial(index);
     b2FixtureDef fixture;
     fixture.shape = &edge;
@@ -72,7 +72,7 @@ void NearbyWalls::AppendFixtures(std::vector<b2Fixture*>& fixtures) const {
 
 b2Fixture* NearbyWalls::Find(uint32_t wall) {
   Box box;
-  box.Add(walls_->segments()[wall]);
+  box.Add(walls().segments()[wall]);
   b2Fixture* its = nullptr;
   ForEachBlockAt(box, [&](uint32_t number) {
     const auto place = Place(number);

@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "base/collision_layers.hpp"
-#include "sight/segment_tree.hpp"
+#include "sight/visible_walls.hpp"
 #include "world/world_state.hpp"
 
 namespace flatland {
@@ -37,36 +37,39 @@ class NearbyWalls {
   using Held = std::vector<Block>;
 
   /// `owner` is the user data of the bodies that are made.
-  NearbyWalls(std::shared_ptr<const SegmentTree> walls, LayerBits layers, uint32_t owner)
-      : walls_(std::move(walls)), layers_(layers), owner_(owner) {}
+  NearbyWalls(std::shared_ptr<const VisibleWalls> walls, LayerBits layers, uint32_t owner)
+      : visible_(std::move(walls)), layers_(layers), owner_(owner) {}
   /// Copies the walls and materials for another Box2D world, which holds none of them yet.
   NearbyWalls(const NearbyWalls& other)
-      : walls_(other.walls_),
+      : visible_(other.visible_),
         layers_(other.layers_),
         owner_(other.owner_),
         material_(other.material_),
         changed_(other.changed_) {}
   NearbyWalls& operator=(const NearbyWalls&) = delete;
 
-  size_t size() const { return walls_->segment_count(); }
+  const SegmentTree& walls() const { return visible_->all(); }
+  /// The same walls, for lidars.
+  const VisibleWalls& visible() const { return *visible_; }
+  size_t size() const { return walls().segment_count(); }
   LayerBits layers() const { return layers_; }
   uint32_t owner() const { return owner_; }
 
-  /// Calls `visit(block)`, in ascending order, for the blocks with a wall whose bounding box
-  /// overlaps another one [m].
+  /// Calls `visit(block)`, in ascending order, for the blocks with a wall that has a bounding
+  /// box which overlaps `box` [m].
   template <class Visit>
   void ForEachBlockAt(const Box& box, Visit visit) const {
-    walls_->ForEachLeafAt(box, [&](size_t leaf) {
+    walls().ForEachLeafAt(box, [&](size_t leaf) {
       bool is_near = false;
-      walls_->ForEachWall(leaf, [&](uint32_t index) {
+      walls().ForEachWall(leaf, [&](uint32_t index) {
         Box wall;
-        wall.Add(walls_->segments()[index]);
+        wall.Add(walls().segments()[index]);
         is_near = is_near || wall.Meets(box);
       });
       if (is_near) visit(static_cast<uint32_t>(leaf));
     });
   }
-  bool IsBlock(uint32_t number) const { return number < walls_->leaf_count(); }
+  bool IsBlock(uint32_t number) const { return number < walls().leaf_count(); }
   size_t CountWalls(uint32_t block) const;
   void Hold(b2World& world, uint32_t block);
   void Release(b2World& world, uint32_t block);
@@ -75,8 +78,8 @@ class NearbyWalls {
   void AppendFixtures(std::vector<b2Fixture*>& fixtures) const;
   /// Exchanges what is held with that of another state of the world.
   void Exchange(Held& held) { held_.swap(held); }
-  /// Takes other walls, while none is held and all have one material.
-  void Replace(std::shared_ptr<const SegmentTree> walls) { walls_ = std::move(walls); }
+  /// Exchanges the walls. None must be held, and all must have the same material.
+  void ExchangeWalls(std::shared_ptr<const VisibleWalls>& walls) { visible_.swap(walls); }
   bool IsAtBeginning() const { return held_.empty() && changed_.empty(); }
   int held_block_count() const { return static_cast<int>(held_.size()); }
   /// The fixture of a wall, or null if its block is not held.
@@ -96,10 +99,10 @@ class NearbyWalls {
  private:
   /// Gives a wall's fixture its material.
   void Apply(b2Fixture& wall) const;
-  /// Where a block is in `held_`, or would be.
+  /// The position of a block in `held_`, or where it would be inserted.
   Held::iterator Place(uint32_t number);
 
-  std::shared_ptr<const SegmentTree> walls_;
+  std::shared_ptr<const VisibleWalls> visible_;
   LayerBits layers_;
   uint32_t owner_;
   Held held_;
@@ -114,10 +117,10 @@ bool NearbyWalls::Overlaps(const b2AABB& bounds, Overlap overlap) const {
   bool overlaps = false;
   const Box box{{bounds.lowerBound.x, bounds.lowerBound.y},
                 {bounds.upperBound.x, bounds.upperBound.y}};
-  walls_->ForEachLeafAt(box, [&](size_t leaf) {
+  walls().ForEachLeafAt(box, [&](size_t leaf) {
     if (overlaps) return;
-    walls_->ForEachWall(leaf, [&](uint32_t index) {
-      overlaps = overlaps || overlap(EdgeOf(walls_->segments()[index]), origin);
+    walls().ForEachWall(leaf, [&](uint32_t index) {
+      overlaps = overlaps || overlap(EdgeOf(walls().segments()[index]), origin);
     });
   });
   return overlaps;

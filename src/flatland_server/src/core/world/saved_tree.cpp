@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "world/box2d_internals.hpp"
+#include "base/box2d_internals.hpp"
 
 namespace flatland {
 namespace {
@@ -21,7 +21,7 @@ int32 UsedCount(const b2TreeNode* nodes, int32 capacity) {
 /// The index of the next free node, which is `used` for all those that were never in use.
 int32 NextFree(int32 next, int32 used) { return next == b2_nullNode || next > used ? used : next; }
 
-/// `fixture` is that of a leaf.
+/// `fixture`: the number of its fixture, if it is a leaf.
 SavedTree::Node NodeOf(const b2TreeNode& node, int32 fixture, int32 used) {
   SavedTree::Node saved;
   saved.height = node.height;

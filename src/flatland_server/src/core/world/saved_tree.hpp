@@ -15,10 +15,10 @@ struct SavedTree {
   /// A node, without pointers, which differ between worlds.
   struct Node {
     b2AABB box{b2Vec2_zero, b2Vec2_zero};  // Box2D's constructors leave the memory as it was
-    int32 parent = b2_nullNode;            // of one that is not in use: the next such
+    int32 parent = b2_nullNode;            // in a free node: the next free one
     int32 child1 = b2_nullNode;
     int32 child2 = b2_nullNode;  // of a leaf: the number of its fixture
-    int32 height = 0;            // of one that is not in use: -1
+    int32 height = 0;            // in a free node: -1
     bool moved = false;
 
     bool is_leaf() const { return height == 0; }

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/box2d_internals.hpp"
 #include "base/box2d_limits.hpp"
 #include "base/to_box2d.hpp"
-#include "world/box2d_internals.hpp"
 #include "world/layers.hpp"
 
 namespace flatland {
@@ -40,7 +40,7 @@ void World::Step(double dt, const AccessGuard&) {
   Require(IsUsable(dt) && dt >= kMinStep, "a step must be finite and longer than zero");
   const int parts = PartsOf(dt);
   if (parts == 1) return StepOnce(dt);
-  world_->SetAutoClearForces(false);                    // a force is that of the whole step
+  world_->SetAutoClearForces(false);                    // forces act in all parts of the step
   const double nanoseconds = std::nearbyint(dt * 1e9);  // drives and drifts count whole ones
   const auto end_of = [=](int part) { return std::floor(nanoseconds * part / parts); };
   for (int i = 0; i < parts; ++i) StepOnce((end_of(i + 1) - end_of(i)) * 1e-9);
@@ -49,25 +49,28 @@ void World::Step(double dt, const AccessGuard&) {
 }
 
 int World::PartsOf(double dt) {
-  const double way = double{b2_maxTranslation} / dt, turn = double{b2_maxRotation} / dt;
-  double most = 1.0;  // times that of one step
+  const auto is_fast = [dt](double squared_speed, double omega) {
+    const double turn = omega * dt;
+    return squared_speed * dt * dt > b2_maxTranslationSquared || turn > b2_maxRotation;
+  };
+  double most = 1.0;  // greatest motion, in multiples of what is possible in one step
   const auto consider = [&](double speed, double omega) {
-    most = std::max({most, speed / way, omega / turn});
+    most = std::max({most, speed * dt / b2_maxTranslation, omega * dt / b2_maxRotation});
   };
   for (const BodyRecord* record : bodies_.Moving()) {
     const b2Vec2 velocity = record->body->GetLinearVelocity();
     const double squared = b2Dot(velocity, velocity);
     const double omega = std::abs(record->body->GetAngularVelocity());
-    if (squared > way * way || omega > turn) consider(std::sqrt(squared), omega);
+    if (is_fast(squared, omega)) consider(std::sqrt(squared), omega);
   }
   mechanisms_.ForEachDrive([&](Body body, const auto& drive) {
     const auto [squared, omega] = drive.GetFastest();
-    if (4.0 * squared <= way * way && 2.0 * omega <= turn) return;
+    if (!is_fast(4.0 * squared, 2.0 * omega)) return;
     const double arm = bodies_.Get(body).body->GetLocalCenter().Length();
     consider(std::sqrt(squared) + omega * arm, omega);
   });
   if (most == 1.0) return 1;
-  // Each of a nanosecond or more.
+  // No part is shorter than a nanosecond.
   const double parts = std::min({std::ceil(most * (1.0 + 1e-6)), double{kMostParts}, dt * 1e9});
   return std::max(1, static_cast<int>(parts));
 }
@@ -80,7 +83,7 @@ void World::StepOnce(double dt) {
           [&](auto, auto& mounted) { visit(mounted.mechanism, *bodies_.Get(mounted.body).body); });
     });
   };
-  // First, since a drive may be on a body that people see.
+  // Crowds come first: people see the bodies before drives set new velocities.
   crowds_.ForEach([&](auto, Crowd& crowd) { crowd.BeginStep(bodies_, *layers_, dt); });
   for_each([dt](auto& mechanism, b2Body& body) { mechanism.BeginStep(body, dt); });
   const auto step = static_cast<float>(dt);

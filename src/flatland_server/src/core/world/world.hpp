@@ -51,7 +51,7 @@ class World : public Access, private b2DestructionListener {
   using LidarHandle = Lidars::LidarHandle;
   using CrowdHandle = Handle<Crowd>;
 
-  /// Box2D has the walls that are up to so far beyond what a body will reach in its next step [m].
+  /// Box2D is given the walls up to this far beyond what a body will reach in its next step [m].
   static constexpr float kRoom = 0.3f;
 
   /// Solver iterations per step, each 1 or more.
@@ -59,7 +59,7 @@ class World : public Access, private b2DestructionListener {
   ~World();
 
   /// A world that makes the same steps from here on, bit for bit. Handles name the same things in
-  /// both; but it has no drifts, and no contact listener, and nothing has chosen events.
+  /// both. The copy has no drifts, no contact listener, and no chosen contact events.
   std::unique_ptr<World> Copy() const;
 
   // ---- Bodies ----
@@ -118,11 +118,12 @@ class World : public Access, private b2DestructionListener {
   /// The same in the body's frame.
   Vec2 GetLocalCenter(Body body) const;
   /// Gives a dynamic body another mass than that of its fixtures, until it gets a fixture or
-  /// another shape. Without them, the centre stays, in the body's frame, and the inertia grows with
-  /// the mass. The velocity of the origin stays. By a contact listener, at the end of the step.
+  /// another shape. Without `center`, that stays where it is in the body's frame [m]; without
+  /// `inertia`, that grows in proportion to the mass. The velocity of the origin stays. If a
+  /// contact listener calls this, it takes effect at the end of the step.
   void SetMass(Body body, double mass, std::optional<double> inertia = std::nullopt,
                std::optional<Vec2> center = std::nullopt);
-  /// Gives it that of its fixtures.
+  /// Gives a dynamic body the mass of its fixtures.
   void ResetMass(Body body);
 
   // Forces, at a point of the world [m] or else at the centre of mass. They wake the body.
@@ -187,9 +188,10 @@ class World : public Access, private b2DestructionListener {
   // counts from the end of the step on. Both bodies wake if something changes.
 
   std::optional<JointLimits> GetLimits(Joint joint) const;
-  /// None: it rotates freely. If it did so before, its angle is from now on that of GetJointAngle,
-  /// without whole rotations; or, if the limits do not contain that, the one nearest to their
-  /// middle among those that look alike.
+  /// Sets the limits of the angle of b minus that of a; without, it rotates freely. If it did so
+  /// before, whole rotations are removed from its angle, which is then that of GetJointAngle. If
+  /// the limits do not contain that angle, it is the equivalent angle that is nearest to their
+  /// middle.
   void SetLimits(Joint joint, const std::optional<JointLimits>& limits);
   std::optional<JointMotor> GetMotor(Joint joint) const;
   void SetMotor(Joint joint, const std::optional<JointMotor>& motor);
@@ -228,12 +230,12 @@ class World : public Access, private b2DestructionListener {
   CrowdHandle AddCrowd(const CrowdSettings& settings, uint64_t key);
   /// Adds a person to a crowd; its bodies are not static. It leaves when one of them is removed.
   void AddPerson(CrowdHandle crowd, const PersonSettings& person);
-  /// From then on, the bodies of its people move like others.
+  /// Removes a crowd. The bodies of its people stay, and move like others.
   void RemoveCrowd(CrowdHandle crowd);
   /// See Crowd::Scatter.
   void ScatterCrowd(CrowdHandle crowd);
-  /// See Crowd::Rooms.
-  std::vector<Crowd::Room> GetRooms(CrowdHandle crowd);
+  /// See Crowd::GetClearances.
+  std::vector<Crowd::Clearances> GetClearances(CrowdHandle crowd);
   Crowd& Get(CrowdHandle handle) {
     RequireAccess();
     return crowds_.Get(handle);
@@ -264,9 +266,9 @@ class World : public Access, private b2DestructionListener {
   // ---- State ----
 
   /// The state of all that moves, as bytes: poses, velocities, pending forces, masses, contacts
-  /// with the solver's impulses, joints with limits and motors, drives and tweens. What the
-  /// construction of the world determines, such as shapes, is not included, even if they were
-  /// replaced.
+  /// with the solver's impulses, joints with limits and motors, drives and tweens. What is
+  /// determined by the construction of the world, such as shapes, is not included, even if shapes
+  /// were replaced.
   std::string SaveState() const;
   /// Puts a world that was constructed in the same way, in the same order, into a saved state. Both
   /// make the same steps, bit for bit. Handles stay valid, and no contact event is reported. Throws

@@ -86,7 +86,7 @@ void World::SetPose(Body body, const Pose& pose) {
   const Twist velocity = GetVelocity(body);
   const AccessGuard guard(*this);
   Require(!bodies_.Get(body).is_layer, "a layer cannot be moved");
-  bodies_.LetMove(body);
+  bodies_.AllowMotion(body);
   bodies_.ChangePoses();
   WakeBodiesNear(found);
   Place(found, pose);
@@ -172,7 +172,7 @@ void World::SetMass(Body body, double mass, std::optional<double> inertia,
   data.mass = static_cast<float>(mass);
   data.center = center ? ToBox2D(*center) : found.GetLocalCenter();
   data.I = static_cast<float>(about_center + mass * data.center.LengthSquared());
-  if (inertia || data.I != 0.0f) {  // a body of no density has none
+  if (inertia || data.I != 0.0f) {  // a body without density has no inertia
     Require(about_center >= kMinInertia && about_center <= kMaxInertia,
             "a body needs a moment of inertia of 1e-24 to 1e24 kg m^2");
     RequireInertia(data, "an inertia is too small for the mass, so far from the body's origin");
@@ -189,7 +189,7 @@ void World::SetMassData(Body body, const b2MassData& data) {
   ApplyOrDefer(body, [this, body, data](b2Body&) {
     BodyRecord& record = bodies_.Get(body);
     record.SetMass(data);
-    record.nearby.is_current = false;  // its walls are those around its centre
+    record.nearby.is_current = false;  // walls are looked up around the centre of mass
   });
 }
 

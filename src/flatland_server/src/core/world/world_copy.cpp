@@ -1,7 +1,7 @@
 /// World: copies.
 
+#include "base/box2d_internals.hpp"
 #include "world/box2d_copies.hpp"
-#include "world/box2d_internals.hpp"
 #include "world/layers.hpp"
 #include "world/world.hpp"
 #include "world/world_state.hpp"
@@ -29,7 +29,7 @@ std::unique_ptr<World> World::Copy() const {
 std::unique_ptr<World> World::Copy(const WorldState& state) const {
   auto copy = std::make_unique<World>(velocity_iterations_, position_iterations_, layers_->room());
   copy->bodies_ = bodies_;
-  copy->bodies_.ChangeStructure();  // what is cached is of this world
+  copy->bodies_.ChangeStructure();  // caches were copied from this world
   copy->layers_->CopyFrom(*layers_);
   copy->lidars_.CopyFrom(lidars_);
   copy->joints_ = joints_;

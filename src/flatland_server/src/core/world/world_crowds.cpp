@@ -34,9 +34,9 @@ void World::RemoveCrowd(CrowdHandle crowd) {
   crowds_.Remove(crowd);
 }
 
-std::vector<Crowd::Room> World::GetRooms(CrowdHandle crowd) {
+std::vector<Crowd::Clearances> World::GetClearances(CrowdHandle crowd) {
   const AccessGuard guard(*this);
-  return crowds_.Get(crowd).Rooms(bodies_, *layers_);
+  return crowds_.Get(crowd).GetClearances(bodies_, *layers_);
 }
 
 }  // namespace flatland

@@ -72,7 +72,7 @@ World::Tween World::AddTween(Body body, const TweenSettings& settings) {
   const Pose start = GetPose(body);
   const AccessGuard guard(*this);
   Require(!bodies_.Get(body).is_layer, kNotALayer);
-  bodies_.LetMove(body);
+  bodies_.AllowMotion(body);
   return mechanisms_.tweens.Add({body, BodyTween(settings, start)});
 }
 

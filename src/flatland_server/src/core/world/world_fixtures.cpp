@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "base/box2d_internals.hpp"
 #include "base/box2d_limits.hpp"
 #include "base/to_box2d.hpp"
-#include "world/box2d_internals.hpp"
 #include "world/layers.hpp"
 #include "world/world.hpp"
 
@@ -95,7 +95,7 @@ bool OverlapsWall(const BodyRecord& record, const NearbyWalls& layer) {
   });
 }
 
-/// `GetClearance` of one fixture; `own` are the bodies that are left out.
+/// GetClearance for one fixture; `own` are the bodies that do not count.
 double ClearanceOf(const b2Fixture& fixture, const Bodies& bodies, const Layers& layers,
                    const std::vector<const b2Body*>& own, double limit) {
   const Box box = BoxOf(fixture, kTolerance);
@@ -112,9 +112,9 @@ double ClearanceOf(const b2Fixture& fixture, const Bodies& bodies, const Layers&
   });
   b2Transform origin;
   origin.SetIdentity();
-  for (const Layers::Layer& layer : layers.all()) {
-    if ((fixture.GetFilterData().maskBits & layer.bits) == 0) continue;
-    const SegmentTree& walls = layer.walls();
+  for (const auto& layer : layers.all()) {
+    if ((fixture.GetFilterData().maskBits & layer->layers()) == 0) continue;
+    const SegmentTree& walls = layer->walls();
     least = walls.Least(box, least, [&](uint32_t index) {
       return Distance(fixture, EdgeOf(walls.segments()[index]), origin);
     });
@@ -149,7 +149,7 @@ Fixture World::AddFixture(Body handle, const b2Shape& shape, const FixtureSettin
     record.ResetMass();
   }
   record.fixtures.push_back({fixture, settings.visible, BoundingRadius(shape), settings.collides});
-  record.nearby.is_current = false;  // it reaches farther
+  record.nearby.is_current = false;  // it may reach other walls now
   bodies_.ChangeStructure();
   return {handle, index};
 }
@@ -190,7 +190,8 @@ void World::SetShape(Fixture fixture, const b2Shape& shape, std::optional<LayerB
     const bool is_its_own = contact->GetFixtureA() == &old || contact->GetFixtureB() == &old;
     if (is_its_own) box2d::Contacts(*world_).Destroy(contact);  // calls the contact listener
   }
-  // Box2D sums up the masses of the rest, and asserts an inertia that they may not have.
+  // Without densities, Box2D does not sum up the masses of the remaining fixtures. It would assert
+  // that they have an inertia, which may not be so.
   for (const BodyRecord::FixtureRecord& each : record.fixtures) each.fixture->SetDensity(0.0f);
   body.DestroyFixture(&old);
   BodyRecord::FixtureRecord& replaced = record.fixtures[fixture.index];
@@ -331,7 +332,7 @@ std::vector<World::Body> World::GetOverlappingBodies(Body handle) const {
       if (OverlapsWall(other, *layer)) collector.found.push_back(other.body);
     });
   }
-  for (const auto& layer : layers_->nearby()) {
+  for (const auto& layer : layers_->all()) {
     if (OverlapsWall(record, *layer)) {
       collector.found.push_back(bodies_.Get(bodies_.HandleAt(layer->owner())).body);
     }

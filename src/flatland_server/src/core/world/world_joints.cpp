@@ -1,8 +1,8 @@
 /// World: joints.
 
+#include "base/box2d_internals.hpp"
 #include "base/box2d_limits.hpp"
 #include "base/to_box2d.hpp"
-#include "world/box2d_internals.hpp"
 #include "world/world.hpp"
 
 namespace flatland {
@@ -21,7 +21,7 @@ World::Joint World::AddJoint(const b2JointDef& definition) {
   Require(definition.bodyA != definition.bodyB, "a joint needs two bodies");
   const AccessGuard guard(*this);
   for (b2Body* const body : {definition.bodyA, definition.bodyB}) {
-    bodies_.LetMove(bodies_.HandleOf(*body));
+    bodies_.AllowMotion(bodies_.HandleOf(*body));
   }
   return joints_.Add(world_->CreateJoint(&definition));
 }

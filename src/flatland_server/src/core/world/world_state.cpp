@@ -12,9 +12,9 @@
 #include <utility>
 
 #include "base/archive.hpp"
+#include "base/box2d_internals.hpp"
 #include "base/box2d_limits.hpp"
 #include "world/box2d_copies.hpp"
-#include "world/box2d_internals.hpp"
 #include "world/layers.hpp"
 #include "world/world.hpp"
 
@@ -150,28 +150,28 @@ void RestoreFixtures(BodyRecord& record, const BodyState& state) {
   }
 }
 
-/// Ends all contacts, without a word to the contact listener.
+/// Ends all contacts without calling the contact listener.
 void EndContacts(b2World& world) {
   world.SetContactListener(nullptr);
   b2ContactManager& manager = box2d::Contacts(world);
   while (manager.m_contactList != nullptr) manager.Destroy(manager.m_contactList);
 }
 
-/// Makes a contact that is in a state, unless the two cannot collide. It becomes Box2D's newest.
+/// Makes a contact as saved in a state, unless the two cannot collide. It becomes Box2D's newest.
 void MakeContact(b2World& world, b2Fixture& a, b2Fixture& b, const ContactState& state) {
   b2Contact* const contact = box2d::MakeContact(world, a, b);
   if (contact == nullptr) return;
   using Internals = box2d::ContactInternals;
   Internals::Flags(*contact) = (state.is_touching ? Internals::kTouching : 0) |
                                (state.is_enabled ? Internals::kEnabled : 0) |
-                               (state.is_to_filter ? Internals::kToFilter : 0);
+                               (state.needs_filtering ? Internals::kToFilter : 0);
   *contact->GetManifold() = state.manifold;
   contact->SetFriction(state.friction);
   contact->SetRestitution(state.restitution);
   contact->SetTangentSpeed(state.tangent_speed);
 }
 
-/// Sets all but the contacts of a body; these wake it when they are made.
+/// Restores a body without its contacts. Making contacts wakes it.
 void RestoreMotion(b2Body& body, const BodyState& state) {
   body.SetMassData(&state.mass);
   box2d::Transform(body) = b2Transform(state.position, b2Rot(state.sweep.a));
@@ -193,7 +193,7 @@ void Take(Map& map, const Map& values) {
   map.ForEach([&](auto handle, auto& each) { each.mechanism = values.Get(handle).mechanism; });
 }
 
-/// Without replacing the joints that they are on.
+/// Restores the mechanisms, but keeps the joints that they use.
 void RestoreMechanisms(Mechanisms& mechanisms, const Mechanisms& state) {
   Take(mechanisms.drives, state.drives);
   Take(mechanisms.tweens, state.tweens);
@@ -217,8 +217,8 @@ void SerializeMounted(Archive& archive, Map& map, const std::vector<uint32_t>& o
   });
 }
 
-/// Writes or reads drifts. Copies of worlds have none, so a state with some is that of such a
-/// world, too; and in a state without any, those of a world stay as they are.
+/// Writes or reads drifts. Copies of worlds have none. So a world without drifts can read a state
+/// with some; and if a state has none, the drifts of a world stay as they are.
 template <class Archive>
 void SerializeDrifts(Archive& archive, MountedMap<BodyDrift>& drifts,
                      const std::vector<uint32_t>& order) {
@@ -238,7 +238,7 @@ void SerializeDrifts(Archive& archive, MountedMap<BodyDrift>& drifts,
   }
 }
 
-/// Writes or reads the order of a body's fixtures, which is mostly that from the last to the first.
+/// Writes or reads the order of a body's fixtures; in most cases, it is from the last to the first.
 template <class Archive>
 void SerializeOrder(Archive& archive, std::vector<uint32_t>& order, size_t count) {
   bool is_reverse = std::is_sorted(order.rbegin(), order.rend());
@@ -294,10 +294,10 @@ WorldState WorldState::Of(const World& world) {
                                static_cast<uint32_t>(fixture.GetUserData().pointer)};
     };
     using Internals = box2d::ContactInternals;
-    const bool is_to_filter = (Internals::Flags(*c) & Internals::kToFilter) != 0;
+    const bool needs_filtering = (Internals::Flags(*c) & Internals::kToFilter) != 0;
     state.contacts.push_back({end_of(*c->GetFixtureA()), end_of(*c->GetFixtureB()), c->IsTouching(),
-                              c->IsEnabled(), is_to_filter, c->GetFriction(), c->GetRestitution(),
-                              c->GetTangentSpeed(), *c->GetManifold()});
+                              c->IsEnabled(), needs_filtering, c->GetFriction(),
+                              c->GetRestitution(), c->GetTangentSpeed(), *c->GetManifold()});
   }
   state.mechanisms = world.mechanisms_;
   state.crowds = world.crowds_;
@@ -319,7 +319,7 @@ void WorldState::Serialize(Archive& archive, const World& world) {
     records.push_back(&record);
   });
   archive.Same(static_cast<uint32_t>(records.size()), "the number of bodies");
-  const auto& layers = world.layers_->nearby();
+  const auto& layers = world.layers_->all();
   archive.Same(static_cast<uint32_t>(layers.size()), "the number of layers");
   std::set<std::pair<uint32_t, uint32_t>> held;  // blocks of walls
   size_t fixture_count = 0;
@@ -398,7 +398,8 @@ std::string WorldState::Write(const World& world) {
 }
 
 WorldState WorldState::Read(std::string_view bytes, const World& world) {
-  // Numbers at random may be such that Box2D's assertions fail some steps later.
+  // Damaged numbers may pass all checks, and let an assertion of Box2D fail some steps later. So
+  // the checksum comes first.
   uint64_t sum = 0;
   if (bytes.size() < sizeof sum) Reader::Fail();
   const std::string_view content = bytes.substr(0, bytes.size() - sizeof sum);
@@ -470,7 +471,7 @@ void WorldState::Restore(World& world) const {
     }
     const bool stays =
         record.body->GetPosition() == state.position && record.body->GetAngle() == state.sweep.a;
-    if (!stays) world.bodies_.LetMove(handle);
+    if (!stays) world.bodies_.AllowMotion(handle);
   });
   for (size_t i = 0; i < records.size(); ++i) {
     world.layers_->HoldWallsOf(box2d_world, *records[i], bodies[i].nearby);

@@ -36,7 +36,7 @@ struct Material {
   }
 };
 
-/// That of walls: Box2D's own.
+/// The material of walls at first: Box2D's default.
 constexpr Material kDefaultMaterial{0.2f, 0.0f};
 
 struct BodyState {
@@ -58,7 +58,7 @@ struct BodyState {
   void Serialize(Archive& archive) {
     archive(position, sweep.c0, sweep.c, sweep.a0, sweep.a, velocity, omega);
     archive(force, torque, sleep_time, is_awake);
-    // As bits: a heavy body may have more than what is taken from users.
+    // As bits: the mass of a heavy body may be above the limit for numbers, see IsUsable.
     std::array<uint32_t, 4> bits;
     static_assert(sizeof bits == sizeof mass);
     std::memcpy(&bits, &mass, sizeof mass);
@@ -73,8 +73,8 @@ struct BodyState {
   }
 };
 
-/// Of a weld: the impulses alone; of friction, two of them, the angular one, and the limits of the
-/// force and the torque.
+/// For a weld, only the impulses are used. For a friction joint, `impulses` has two linear ones,
+/// the angular one, and the limits of force and torque.
 struct JointState {
   std::array<float, 5> impulses{};  // the solver's
   bool has_limits = false;
@@ -109,7 +109,7 @@ struct ContactState {
   End b;
   bool is_touching = false;
   bool is_enabled = true;
-  bool is_to_filter = false;  // whether they may collide is to be found out again
+  bool needs_filtering = false;  // Box2D has to check again whether they may collide
   float friction = 0.0f;
   float restitution = 0.0f;
   float tangent_speed = 0.0f;
@@ -117,7 +117,7 @@ struct ContactState {
 
   template <class Archive>
   void Serialize(Archive& archive) {
-    archive(a, b, is_touching, is_enabled, is_to_filter, friction, restitution, tangent_speed);
+    archive(a, b, is_touching, is_enabled, needs_filtering, friction, restitution, tangent_speed);
     archive(manifold.pointCount);
     if constexpr (Archive::kIsReader) {
       if (friction < 0.0f || restitution < 0.0f) Archive::Fail();
@@ -151,8 +151,8 @@ struct WorldState {
   static void Clear(World& world);
   /// True if no body has come near walls yet, as before the first step.
   bool IsApartFromWalls() const;
-  /// Throws std::invalid_argument unless the world has, in this state, the same materials, and the
-  /// bodies that stay at the same places.
+  /// Throws std::invalid_argument unless the world has the same materials as this state, and the
+  /// bodies that stay are at the same places.
   void RequireSameStill(const World& world) const;
 
   float inverse_step = 0.0f;      // one over the length of the last step [1/s]

@@ -53,7 +53,7 @@ def compose_file(path: Path, count_before: int = 0) -> ComposedFile:
     """Composes a file.
 
     Args:
-        path: the file's path.
+        path: path of the YAML file.
         count_before: the number of values in other files, counted towards the same limit.
 
     Raises:
@@ -67,7 +67,7 @@ def compose_text(text: str, name: Path) -> ComposedFile:
 
     Args:
         text: YAML.
-        name: stands for the file in errors.
+        name: name that stands for the file in errors.
 
     Raises:
         YamlError: it is empty, not YAML, nested too deeply or too large.

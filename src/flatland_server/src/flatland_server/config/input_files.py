@@ -28,7 +28,7 @@ def read_input(path: Path, limit: int, refusal: Refusal = YamlError) -> bytes:
     """The contents of a regular file.
 
     Args:
-        path: the file's path.
+        path: path of the file; it may not exist, or be no regular file.
         limit: the largest size that is read [bytes].
         refusal: the error if it is missing, unreadable, larger, or not a regular file.
 
@@ -55,8 +55,8 @@ def open_regular(path: Path, refusal: Refusal) -> BinaryIO:
     """Opens a regular file to read it; pipes, sockets and devices are refused at once.
 
     Args:
-        path: the file's path.
-        refusal: the error if it is something else.
+        path: path of the file; it may not exist, or be no regular file.
+        refusal: makes the error for something else of a path and a message.
 
     Raises:
         OSError: it cannot be opened.
@@ -81,7 +81,7 @@ def require_free(path: Path, magic: bytes, kind: str, refusal: Callable[[str], E
         path: of the file; links are not followed.
         magic: the first bytes of such files.
         kind: their name, for the message.
-        refusal: the error if something else is there.
+        refusal: makes the error for something else of a path and a message.
 
     Raises:
         OSError: it cannot be looked at.

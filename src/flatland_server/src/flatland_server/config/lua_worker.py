@@ -141,9 +141,9 @@ class Worker:
         """Converts a value of Lua to None, a bool, number, string, list or dict.
 
         Args:
-            value: of Lua.
+            value: the value in Lua.
             left: its only item is the number of values still allowed; counted down.
-            depth: of the table that the value is in.
+            depth: number of tables around the value.
 
         Raises:
             ValueError: it cannot be converted, or is too large.
@@ -181,11 +181,7 @@ def _send(message: Dict[str, Any]) -> None:
 
 
 def _end_with_parent(parent: int) -> None:
-    """Makes the kernel kill this process when the thread that has started it ends (Linux).
-
-    Args:
-        parent: the process of that thread.
-    """
+    """Makes the kernel kill this process when the thread that has started it ends (Linux)."""
     set_parent_death_signal = 1  # PR_SET_PDEATHSIG of <linux/prctl.h>
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.prctl(set_parent_death_signal, signal.SIGKILL, 0, 0, 0) != 0:

@@ -42,12 +42,7 @@ def package_folders(name: str) -> List[Path]:
 
 
 def folders_beside(name: str, locations: Iterable[Path]) -> List[Path]:
-    """The folders that have the files of a Python package.
-
-    Args:
-        name: the package's name.
-        locations: the folders of its modules.
-    """
+    """The folders that have the files of a Python package."""
     found: Dict[Path, None] = {}
     for location in locations:
         found[location] = None

@@ -27,7 +27,7 @@ class ArrayNode(yaml.SequenceNode):
 
     Args:
         array: shape (n, k), read-only.
-        mark: its place.
+        mark: place of the list in its file.
     """
 
     def __init__(self, array: Any, mark: yaml.Mark) -> None:
@@ -37,7 +37,7 @@ class ArrayNode(yaml.SequenceNode):
 
     @property
     def value(self) -> List[yaml.Node]:
-        """The rows as nodes, for those who do not know arrays."""
+        """The rows as nodes, for callers that do not know arrays."""
         return [_node(row, self.start_mark) for row in self.array.tolist()]
 
 
@@ -103,7 +103,7 @@ def to_content(node: yaml.Node) -> Any:
     """The inverse of `to_node`: None, booleans, numbers, strings, lists, dicts and new arrays.
 
     Args:
-        node: with its expressions and includes resolved.
+        node: node with its expressions and includes resolved.
     """
     if isinstance(node, yaml.MappingNode):
         return {key.value: to_content(value) for key, value in node.value}

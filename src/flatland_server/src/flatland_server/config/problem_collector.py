@@ -69,7 +69,7 @@ class MutedCollector(ProblemCollector):
     """Drops problems in a section that is missing or not a map, which is noted already.
 
     Args:
-        document: the collector in which that is noted.
+        document: collector of the document, which has the problem.
     """
 
     def __init__(self, document: ProblemCollector) -> None:

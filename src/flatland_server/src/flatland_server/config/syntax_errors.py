@@ -23,13 +23,7 @@ def other_indentation(line: str) -> str:
 
 
 def syntax_error(path: Path, text: str, error: yaml.MarkedYAMLError) -> YamlError:
-    """The error of a parser for a user.
-
-    Args:
-        path: the file's path.
-        text: its content.
-        error: the parser's.
-    """
+    """The error of a parser for a user."""
     mark, context, problem = error.problem_mark, error.context or "", error.problem or ""
     begin = error.context_mark or mark  # of what is incomplete
     if mark is None or begin is None:

@@ -79,7 +79,7 @@ class WorldFileText:
         Args:
             poses: the former and the new pose of models, by name.
             deleted: names of models.
-            added: at the end of the list.
+            added: entries to append to the list.
 
         Raises:
             YamlError: an entry is not written in this file.
@@ -94,7 +94,7 @@ class WorldFileText:
         """Writes names of files in the text's folder as absolute paths.
 
         Args:
-            folder: of the file as it was read.
+            folder: folder of the file from which the text was read.
         """
         for node, match in _file_names(self._root):
             name = match[1].strip()
@@ -304,7 +304,7 @@ def _enabled_name(entry: yaml.Node) -> Iterator[str]:
 
 
 def _file_names(node: yaml.Node, key: str = "") -> Iterator[Tuple[yaml.Node, "re.Match[str]"]]:
-    """The scalars of a world that name files, each with a match whose first group is the name."""
+    """The scalars of a world that name files, each with a match; its first group is the name."""
     if isinstance(node, yaml.ScalarNode):
         match = _INCLUDE.fullmatch(node.value)
         if match:

@@ -66,7 +66,7 @@ class Expressions:
         """Begins a file with all that it includes: restarts its time limit and its random numbers.
 
         Args:
-            root: the file.
+            root: path of the file.
             has_environment: whether expressions may read environment variables.
         """
         self._root, self.has_environment = root, has_environment

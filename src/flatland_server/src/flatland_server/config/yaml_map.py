@@ -71,7 +71,7 @@ class YamlMap:
         """True if the key is given; a `null` counts as not given.
 
         Args:
-            key: to look for.
+            key: key of this map, as it is written in the file.
         """
         return key in self._values and not is_null(self._values[key])
 
@@ -79,7 +79,7 @@ class YamlMap:
         """True if a value is a list, for keys that take a list or something else.
 
         Args:
-            key: the value's key.
+            key: key of this map, as it is written in the file.
         """
         return isinstance(self._values.get(key), yaml.SequenceNode)
 
@@ -87,7 +87,7 @@ class YamlMap:
         """True if a value is a map, for keys that take a map or something else.
 
         Args:
-            key: the value's key.
+            key: key of this map, as it is written in the file.
         """
         return isinstance(self._values.get(key), yaml.MappingNode)
 
@@ -100,7 +100,7 @@ class YamlMap:
         """The first key with a certain value, or None.
 
         Args:
-            value: a scalar.
+            value: scalar value to look for.
         """
         for key, node in self._values.items():
             if isinstance(node, yaml.ScalarNode) and node.value == value:
@@ -125,7 +125,7 @@ class YamlMap:
         """Notes the problems of an error, such as those of a file that this map refers to.
 
         Args:
-            error: its problems are noted.
+            error: error with the problems to note.
         """
         self._problems.note(error)
 
@@ -159,8 +159,8 @@ class YamlMap:
         To save time, it is empty if there are already more problems than are shown.
 
         Args:
-            word: as it was found.
-            known: the words that would be right.
+            word: the word that was found.
+            known: the words that are valid.
         """
         return "" if self._problems.is_full else suggestion(word, known)
 
@@ -177,8 +177,8 @@ class YamlMap:
         """Warns of an angle of more than a revolution [rad].
 
         Args:
-            angle: as it was read.
-            key: at which it was.
+            angle: the angle that was read [rad].
+            key: key of the angle.
         """
         if math.tau + 0.01 < abs(angle) < math.inf:
             self.warn(f"expected an angle in rad, found {angle:g}: is it in degrees?", key)
@@ -280,11 +280,7 @@ class YamlMap:
 
 @lru_cache(maxsize=1000)
 def warn_once(message: str) -> None:
-    """Logs a warning that names its place, once: not again at each reset or in each environment.
-
-    Args:
-        message: the whole warning.
-    """
+    """Logs a warning that names its place, once: not again at each reset or in each environment."""
     logger.warning("%s", message)
 
 
@@ -292,9 +288,9 @@ def check_topic_name(reader: YamlMap, key: str, name: str) -> None:
     """Notes a problem if the name given at a key cannot be part of a topic.
 
     Args:
-        reader: of the map that has the key.
-        key: at which the name is given.
-        name: the name.
+        reader: reader of the map with the key.
+        key: key of the name, for the problem.
+        name: name that is checked.
     """
     problem = topic_name_problem(name)
     if problem and reader.has(key):

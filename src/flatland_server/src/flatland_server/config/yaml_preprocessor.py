@@ -37,7 +37,7 @@ class YamlPreprocessor:
 
     Args:
         get_param: for expressions, the value of a parameter: `get_param(path, default)`.
-        seed: of the world, for math.random in expressions.
+        seed: seed of the world, for math.random in expressions.
     """
 
     def __init__(
@@ -99,11 +99,7 @@ class YamlPreprocessor:
         return self._expressions.random_count
 
     def again(self, seed: int) -> "YamlPreprocessor":
-        """A preprocessor for the same files, as this one has read them, with another seed.
-
-        Args:
-            seed: the world's seed.
-        """
+        """A preprocessor for the same files, as this one has read them, with another seed."""
         other = YamlPreprocessor(self._get_param, seed)
         other._composed.update(self._composed)
         other._reads_again = True
@@ -150,7 +146,7 @@ class YamlPreprocessor:
         """A copy of a node in which everything is resolved.
 
         Args:
-            node: as it is written.
+            node: node as it is written in the file.
             files: the files that include each other down to the one that the node is written in;
                 none for a text.
             done: the results by the `id` of the node, for aliases; None while a node is resolved.
@@ -263,7 +259,7 @@ def _measure(node: yaml.Node, known: Dict[int, Tuple[int, int]]) -> Tuple[int, i
     """The number of keys and values in a node, each use of an alias counted, and the depth.
 
     Args:
-        node: with everything resolved.
+        node: node with everything resolved.
         known: the results for lists and maps by their `id`: each is measured once.
 
     Raises:

@@ -75,8 +75,8 @@ class YamlReader(YamlMap):
         """The reader of a file, its includes and expressions resolved.
 
         Args:
-            path: the file's path.
-            preprocessor: has the parameters; by default there are none.
+            path: path of the YAML file.
+            preprocessor: evaluates expressions; by default without parameters.
 
         Raises:
             YamlError: it is missing, unreadable, empty, not YAML or not a map.
@@ -95,7 +95,7 @@ class YamlReader(YamlMap):
         Args:
             content: plain data; see `plain_nodes.plain_copy`.
             name: stands for the file in errors, such as "world".
-            preprocessor: has the parameters; by default there are none.
+            preprocessor: evaluates expressions; by default without parameters.
 
         Raises:
             FlatlandError: it is no map of plain data, or an expression fails.
@@ -116,7 +116,7 @@ class YamlReader(YamlMap):
             text: YAML; see `YamlPreprocessor.read_text`.
             name: in errors, `<text of NAME>` stands for the file.
             folder: where relative paths begin.
-            preprocessor: has the parameters; by default there are none.
+            preprocessor: evaluates expressions; by default without parameters.
 
         Raises:
             YamlError: it is empty, not YAML or not a map.
@@ -152,7 +152,7 @@ class YamlReader(YamlMap):
         """A string; may be empty.
 
         Args:
-            key: the value's key.
+            key: key of this map, as it is written in the file.
             default: the value if the key is missing; without it, the key is required.
         """
         return cast(str, self._get(key, default, to_string, ""))
@@ -161,7 +161,7 @@ class YamlReader(YamlMap):
         """The name of a topic that ROS can have, relative or absolute.
 
         Args:
-            key: the value's key.
+            key: key of this map, as it is written in the file.
             default: the value if the key is missing; without it, the key is required.
         """
         return cast(str, self._get(key, default, to_topic, ""))
@@ -170,7 +170,7 @@ class YamlReader(YamlMap):
         """The name of a frame that TF can have; may begin with "/".
 
         Args:
-            key: the value's key.
+            key: key of this map, as it is written in the file.
             default: the value if the key is missing; without it, the key is required.
         """
         return cast(str, self._get(key, default, to_frame, ""))
@@ -179,7 +179,7 @@ class YamlReader(YamlMap):
         """The name of a body, joint or plugin: any text of one line.
 
         Args:
-            key: the value's key.
+            key: key of this map, as it is written in the file.
             default: the value if the key is missing; without it, the key is required.
         """
         return cast(str, self._get(key, default, to_name, ""))
@@ -196,10 +196,10 @@ class YamlReader(YamlMap):
         """A number; never NaN.
 
         Args:
-            key: the value's key.
+            key: key of this map, as it is written in the file.
             default: the value if the key is missing; without it, the key is required.
             minimum: the least value that is allowed.
-            above: the value must be greater.
+            above: bound that the value must exceed.
             allow_infinity: whether it may be infinite.
         """
         placeholder = 1.0 if minimum <= 1.0 and above < 1.0 else max(minimum, above + 1.0)
@@ -210,7 +210,7 @@ class YamlReader(YamlMap):
         """A rate above zero; `inf` is as often as possible [Hz].
 
         Args:
-            key: the value's key.
+            key: key of this map, as it is written in the file.
             default: the value if the key is missing; without it, the key is required.
         """
         return self.get_float(key, default, above=0.0, allow_infinity=True)
@@ -226,7 +226,7 @@ class YamlReader(YamlMap):
         """A whole number.
 
         Args:
-            key: the value's key.
+            key: key of this map, as it is written in the file.
             default: the value if the key is missing; without it, the key is required.
             minimum: the least value that is allowed.
             maximum: the greatest value that is allowed.
@@ -237,7 +237,7 @@ class YamlReader(YamlMap):
         """True or false, in any of YAML's spellings.
 
         Args:
-            key: the value's key.
+            key: key of this map, as it is written in the file.
             default: the value if the key is missing; without it, the key is required.
         """
         return cast(bool, self._get(key, default, to_bool, True))
@@ -246,8 +246,8 @@ class YamlReader(YamlMap):
         """One of some words.
 
         Args:
-            key: the value's key.
-            choices: the words.
+            key: key of this map, as it is written in the file.
+            choices: the words that are allowed.
             default: the value if the key is missing; without it, the key is required.
 
         Raises:
@@ -267,7 +267,7 @@ class YamlReader(YamlMap):
         """A list of finite numbers.
 
         Args:
-            key: the list's key.
+            key: key of this map, as it is written in the file.
             length: number of its entries.
             default: the value if the key is missing; without it, the key is required.
             minimum: the least number that is allowed.
@@ -283,7 +283,7 @@ class YamlReader(YamlMap):
         """`[x, y, yaw]` [m, m, rad]; a yaw of more than a revolution is a warning.
 
         Args:
-            key: the value's key.
+            key: key of this map, as it is written in the file.
             default: the value if the key is missing; without it, the key is required.
             is_motion: whether it is a motion, which may be of several revolutions.
         """
@@ -296,7 +296,7 @@ class YamlReader(YamlMap):
         """`[x, y]` [m].
 
         Args:
-            key: the value's key.
+            key: key of this map, as it is written in the file.
             default: the value if the key is missing; without it, the key is required.
         """
         point = self._get(key, default, floats_between(2, "[x, y]"), (0.0, 0.0))
@@ -308,7 +308,7 @@ class YamlReader(YamlMap):
         """A list of points `[x, y]` [m].
 
         Args:
-            key: the list's key.
+            key: key of this map, as it is written in the file.
             minimum: the least number of points.
             maximum: the greatest number of points.
             default: the value if the key is missing; without it, the key is required.
@@ -322,7 +322,7 @@ class YamlReader(YamlMap):
         """A list of rows of numbers.
 
         Args:
-            key: the list's key.
+            key: key of this map, as it is written in the file.
             form: of a row, such as "[x, y, radius]".
             default: the value if the key is missing; without it, the key is required.
 
@@ -336,7 +336,7 @@ class YamlReader(YamlMap):
         """A list of polygons, each of three or more points `[x, y]`; empty if it is not given.
 
         Args:
-            key: the list's key.
+            key: key of this map, as it is written in the file.
 
         Returns:
             Each of shape (k, 2).
@@ -347,7 +347,7 @@ class YamlReader(YamlMap):
         """Rows of numbers or booleans, all of the same length.
 
         Args:
-            key: the rows' key.
+            key: key of this map, as it is written in the file.
 
         Returns:
             Shape (height, width).
@@ -358,7 +358,7 @@ class YamlReader(YamlMap):
         """`[r, g, b, alpha]`, each 0 to 1.
 
         Args:
-            key: the value's key.
+            key: key of this map, as it is written in the file.
             default: the value if the key is missing; without it, the key is required.
         """
         converter = floats_between(4, "[r, g, b, alpha], each 0 to 1", 0.0, 1.0)
@@ -368,7 +368,7 @@ class YamlReader(YamlMap):
         """A list of strings; a single string is a list of one.
 
         Args:
-            key: the list's key.
+            key: key of this map, as it is written in the file.
             default: the value if the key is missing; without it, the key is required.
         """
         return cast(Tuple[str, ...], self._get(key, default, to_strings, ()))
@@ -381,7 +381,7 @@ class YamlReader(YamlMap):
         its target.
 
         Args:
-            key: of the file's name.
+            key: key of this map at which the name of the file is given.
             folders: where a relative name without "./" is looked up after that.
         """
         beside = [self._root.parent, self._root.resolve().parent]
@@ -414,8 +414,8 @@ class YamlReader(YamlMap):
         to this map's `finish` to raise.
 
         Args:
-            key: the map's key.
-            required: whether it must be given.
+            key: key of this map, as it is written in the file.
+            required: whether a missing key is a problem.
         """
         self._read.add(key)
         path = self._path_of(key)
@@ -439,9 +439,9 @@ class YamlReader(YamlMap):
         An entry for which `read` raises a YamlError is left out, and its problems are noted.
 
         Args:
-            key: the list's key.
-            read: reads an entry.
-            required: whether the list must be given.
+            key: key of this map, as it is written in the file.
+            read: called with the reader of an entry; returns its value.
+            required: whether a missing list is a problem.
             word: the key that an entry of one word is short for; empty: entries must be maps.
         """
         entries: List[T] = []
@@ -463,9 +463,9 @@ class YamlReader(YamlMap):
         An entry with `enabled: false` is left out, whatever else is in it.
 
         Args:
-            key: the list's key.
-            read: reads an entry.
-            required: whether the list must be given.
+            key: key of this map, as it is written in the file.
+            read: called with the reader of an entry; returns its value.
+            required: whether a missing list is a problem.
         """
         names: Set[str] = set()
         enabled: List[T] = []

@@ -38,9 +38,9 @@ class EntryError(ConversionError):
     """An entry of a list has another form than expected.
 
     Args:
-        message: the expected one.
-        index: the entry's index.
-        node: the entry.
+        message: the form that was expected.
+        index: index of the entry in its list, from 0.
+        node: node of the entry, for its place.
     """
 
     def __init__(self, message: str, index: int, node: yaml.Node) -> None:
@@ -184,8 +184,8 @@ def floats_between(
     Args:
         length: required length of the list.
         expected: what an error says was expected, such as "[x, y]".
-        minimum: of each number.
-        maximum: of each number.
+        minimum: lower bound of each number.
+        maximum: upper bound of each number.
     """
 
     def convert(node: yaml.Node) -> Tuple[float, ...]:

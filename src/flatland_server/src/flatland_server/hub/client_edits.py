@@ -35,11 +35,7 @@ class Changes(NamedTuple):
         return len(self.poses) + len({*self.deleted, *(entry.name for entry in self.added)})
 
     def applied_to(self, models: Iterable[ModelEntry]) -> Tuple[ModelEntry, ...]:
-        """The models of a file with these changes.
-
-        Args:
-            models: the models in the file.
-        """
+        """The models of a file with these changes."""
         kept = [
             replace(entry, pose=self.poses.get(entry.name, entry.pose))
             for entry in models
@@ -90,9 +86,6 @@ class ClientEdits:
     So an edit that is undone is no change, a reset undoes all of them, and a loaded state has those
     that it was saved with. With other contents, there is nothing to undo.
 
-    Args:
-        world: has the models.
-
     Attributes:
         revision: counts edits, also those that are undone and redone.
     """
@@ -106,10 +99,10 @@ class ClientEdits:
 
     @contextmanager
     def edit(self, names: Iterable[str], extends: Optional[Edit] = None) -> Iterator[Edit]:
-        """A context whose changes of models are one edit.
+        """A context; the changes of models within it are one edit.
 
         Args:
-            names: of the models that may change.
+            names: names of the models that may change.
             extends: an edit of the same models, such as the beginning of a drag. If it is still the
                 latest, the changes are a part of it.
         """
@@ -132,7 +125,7 @@ class ClientEdits:
 
         Args:
             name: the model's name.
-            pose: its new one.
+            pose: new pose of the model's origin [m, m, rad].
             extends: as for `edit`.
 
         Raises:
@@ -148,9 +141,6 @@ class ClientEdits:
     def spawn(self, entry: ModelEntry) -> Model:
         """Adds a model, within a context `edit`.
 
-        Args:
-            entry: the model's entry.
-
         Raises:
             FlatlandError: it cannot be added.
         """
@@ -159,21 +149,13 @@ class ClientEdits:
         return model
 
     def delete(self, names: Iterable[str]) -> None:
-        """Deletes models, unless plugins of one have deleted another.
-
-        Args:
-            names: the models' names.
-        """
+        """Deletes models, unless plugins of one have deleted another."""
         names = list(names)
         with self.edit(names):
             self.discard(names)
 
     def discard(self, names: Iterable[str]) -> None:
-        """Deletes models for ever, like `delete`.
-
-        Args:
-            names: the models' names.
-        """
+        """Deletes models for ever, like `delete`."""
         for name in names:
             if name in self._world.models:
                 self._world.delete_model(name)
@@ -233,7 +215,7 @@ class ClientEdits:
         """Spawns, moves and deletes models.
 
         Args:
-            places: as they are to be.
+            places: models and poses as they are to be, by name.
             former: as an edit has left them; else they are not touched.
         """
         world = self._world

@@ -33,7 +33,7 @@ class ClientFiles:
     """Finds the files that clients name.
 
     Args:
-        world: the simulated world.
+        world: the simulated world, which has folders of models.
         state_folder: the server's `~state_folder`; None lets clients name any file.
     """
 
@@ -140,8 +140,8 @@ class EntryError(FlatlandError):
     """An error of one entry of a request's list.
 
     Args:
-        entry: names it.
-        error: what is wrong with it.
+        entry: name of the entry in the request.
+        error: the error of that entry.
     """
 
     def __init__(self, entry: str, error: FlatlandError) -> None:

@@ -17,11 +17,7 @@ _PERIOD = 1.0
 
 
 class Diagnostics:
-    """Publishes the status of the simulation, and an error for each plugin switched off.
-
-    Args:
-        manager: the simulation.
-    """
+    """Publishes the status of the simulation, and an error for each plugin switched off."""
 
     def __init__(self, manager: SimulationManager) -> None:
         self._manager = manager

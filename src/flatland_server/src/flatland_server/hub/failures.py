@@ -16,8 +16,8 @@ class Failures:
         """Calls a function.
 
         Args:
-            function: may fail.
-            arguments: passed to it.
+            function: function to call; it may raise any exception.
+            arguments: arguments of the call.
         """
         try:
             function(*arguments)

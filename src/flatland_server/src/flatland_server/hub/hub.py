@@ -37,9 +37,6 @@ class Service(NamedTuple):
     def answer(self, request: Any) -> Any:
         """The response to a request; for any thread.
 
-        Args:
-            request: of the service's type.
-
         Raises:
             ServiceError: the action has failed, and the response has no `success` and `message`.
         """
@@ -55,7 +52,7 @@ class Service(NamedTuple):
 
 
 class Hub:
-    """What clients of all protocols share.
+    """Services and topics that clients of all protocols share.
 
     Args:
         manager: the simulation; its transport must be a `ServedTransport`.

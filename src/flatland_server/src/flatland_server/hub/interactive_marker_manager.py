@@ -69,7 +69,7 @@ class InteractiveMarkerManager:
     While a model is dragged, the simulation is held.
 
     Args:
-        hub: has the models, and is told of changes.
+        hub: hub with the models; it records their changes.
         rate: how often markers follow their models [Hz of real time], while there are subscribers.
     """
 
@@ -211,8 +211,8 @@ def _interactive_marker(model: Model, centre: Pose, radius: float) -> Any:
     """The marker of a model: its footprints to drag it, and a ring to turn it.
 
     Args:
-        model: the model.
-        centre: of the ring, in the model's frame.
+        model: model of which the marker shows the footprints.
+        centre: centre of the ring, in the model's frame [m, m, rad].
         radius: of a circle around the model [m].
     """
     marker = InteractiveMarker(name=model.name, pose=_pose_message(model.pose.compose(centre)))

@@ -23,10 +23,10 @@ class MapToOdom:
     """Publishes identity from `map` to the odometry frames of all robots.
 
     Args:
-        transport: publishes it.
+        transport: transport on which the transforms are sent.
         odometry_frames: returns the present frames of odometry, each with the namespace of its
             transforms: robots come and go.
-        always: frames that need no robot.
+        always: odometry frames that are published without a robot, too.
     """
 
     def __init__(

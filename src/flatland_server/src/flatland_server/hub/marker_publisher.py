@@ -41,7 +41,7 @@ class MarkerPublisher:
 
     Args:
         world: the world to show.
-        transport: the transport of the topics.
+        transport: transport on which the topics are published.
         rate: how often models are published [Hz of real time].
         for_rviz: whether each model has a topic, with a list of these topics.
     """

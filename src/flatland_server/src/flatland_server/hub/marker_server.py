@@ -23,8 +23,8 @@ class MarkerServer:
     """Publishes interactive markers.
 
     Args:
-        transport: the transport of the topics.
-        name: of the topics, without `/update` and so on.
+        transport: transport on which the topics are published.
+        name: prefix of the topics' names, before `/update` and the others.
         on_feedback: called with each message of a display, between two steps.
     """
 

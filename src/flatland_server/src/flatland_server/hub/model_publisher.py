@@ -34,7 +34,7 @@ class ModelPublisher:
     """Publishes flatland_msgs/ModelList and flatland_msgs/ModelStates.
 
     Args:
-        manager: the simulation with the models.
+        manager: simulation with the models.
         rate: how often the states of moving models are published [Hz of real time].
     """
 

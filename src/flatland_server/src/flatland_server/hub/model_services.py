@@ -35,7 +35,7 @@ class ModelServices:
     `message` is a warning; otherwise `message` is empty.
 
     Args:
-        hub: offers the services.
+        hub: hub that offers the services, and has the models.
         initial_pose: name of the model that the topic `initialpose` moves; empty if none.
     """
 
@@ -188,7 +188,7 @@ class ModelServices:
 
 @contextmanager
 def _naming_entry(key: str, index: int, name: str) -> Iterator[None]:
-    """A context whose errors name an entry of a request's list."""
+    """A context that adds the name of an entry of the request's list to errors."""
     try:
         yield
     except FlatlandError as error:

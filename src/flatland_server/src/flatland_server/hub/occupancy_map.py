@@ -34,10 +34,6 @@ class OccupancyMap:
 
     An image layer is what map_server makes of its file. Other layers are drawn: cells with a wall
     are occupied, all others are free.
-
-    Args:
-        world: has the layers.
-        transport: has the topic.
     """
 
     def __init__(self, world: World, transport: Transport) -> None:

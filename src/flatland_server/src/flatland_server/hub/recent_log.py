@@ -34,11 +34,7 @@ class _Entry(NamedTuple):
 
 
 class RecentLog(logging.Handler):
-    """Collects warnings and errors, from any thread, and publishes them, latched.
-
-    Args:
-        logger: has the messages.
-    """
+    """Collects warnings and errors, from any thread, and publishes them, latched."""
 
     def __init__(self, logger: logging.Logger) -> None:
         super().__init__(logging.WARNING)
@@ -68,11 +64,7 @@ class RecentLog(logging.Handler):
             self._has_changed = True
 
     def open(self, manager: SimulationManager) -> None:
-        """Opens the topic.
-
-        Args:
-            manager: the simulation.
-        """
+        """Opens the topic."""
         self._manager = manager
         self._publisher = manager.transport.advertise(
             f"{manager.transport.node_name}/recent_log", RecentLogMsg, latch=True, queue_size=1

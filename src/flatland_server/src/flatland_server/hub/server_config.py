@@ -178,9 +178,9 @@ def flag(get: Get, name: str, default: bool) -> bool:
     """A parameter that is true or false.
 
     Args:
-        get: returns its value.
-        name: of the parameter.
-        default: if it is not set.
+        get: returns the value of a parameter by its name; see `ServerConfig.read`.
+        name: name of the parameter.
+        default: value if the parameter is not set.
 
     Raises:
         FlatlandError: it is something else.
@@ -195,9 +195,9 @@ def positive_param(get: Get, name: str, default: float, *, allow_infinity: bool 
     """A parameter that is a number above zero.
 
     Args:
-        get: returns its value.
-        name: of the parameter.
-        default: if it is not set.
+        get: returns the value of a parameter by its name; see `ServerConfig.read`.
+        name: name of the parameter.
+        default: value if the parameter is not set.
         allow_infinity: whether it may be infinite.
 
     Raises:
@@ -210,8 +210,8 @@ def positive(name: str, value: Any, *, allow_infinity: bool = False) -> float:
     """A number above zero.
 
     Args:
-        name: of the parameter.
-        value: of it.
+        name: name of the parameter, for the error.
+        value: value of the parameter.
         allow_infinity: whether it may be infinite.
 
     Raises:

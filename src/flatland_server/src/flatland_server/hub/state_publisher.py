@@ -19,8 +19,8 @@ class StatePublisher:
     """Publishes flatland_msgs/SimulationState, latched.
 
     Args:
-        manager: the simulation.
-        edits: what clients have changed.
+        manager: simulation with the state.
+        edits: edits that can be undone, redone and saved.
     """
 
     def __init__(self, manager: SimulationManager, edits: ClientEdits) -> None:

@@ -27,7 +27,7 @@ class StateServices:
     the world on the simulation's thread, between two steps.
 
     Args:
-        hub: offers the services.
+        hub: hub that offers the services, and has the simulation.
         control_period: simulated time of a call of /step_world [s]; by default 0.1 s, or one step
             if that is no multiple of the steps.
         train_mode: whether time stands still between requests for steps.
@@ -142,7 +142,7 @@ class StateServices:
             if self._manager.history is None:
                 raise FlatlandError("no history is kept; start the server with history:=true")
             self._manager.seek(request.time)
-            self._manager.pause()  # else the moment would be gone before it is seen
+            self._manager.pause()  # else the sought time would have passed before it is seen
 
         self._change(seek)
 

@@ -33,11 +33,6 @@ class WallVisualization:
     For each name of a layer, `~debug/layer/<name>` has lines on the ground and
     `~debug/layer/<name>_3d` upright rectangles. `~debug/layers` has the lines of all layers, once;
     `~debug/walls` has the same as flatland_msgs/Walls.
-
-    Args:
-        layers: the world's layers.
-        frame_id: the world's frame id.
-        transport: the transport of the topics.
     """
 
     def __init__(self, layers: List[Layer], frame_id: str, transport: Transport) -> None:

@@ -24,7 +24,7 @@ class WorldSaving:
     reset leads from then on.
 
     Args:
-        hub: offers the service.
+        hub: hub that offers the service, and has the world.
     """
 
     def __init__(self, hub: Hub) -> None:

@@ -139,7 +139,7 @@ class LineMap:
         """Reads a map.
 
         Args:
-            path: its YAML file.
+            path: path of the map's YAML file.
             tolerance: the largest deviation [m]; by default that of one pixel.
 
         Raises:

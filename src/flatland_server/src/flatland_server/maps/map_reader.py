@@ -86,8 +86,8 @@ class MapConfig:
         """Reads the YAML file, but not the file of the walls that it names.
 
         Args:
-            path: of the file.
-            preprocessor: has the parameters for the file's expressions.
+            path: path of the map's YAML file.
+            preprocessor: evaluates the file's expressions, with their parameters.
 
         Raises:
             YamlError: something in the file is wrong.
@@ -119,9 +119,6 @@ class MapConfig:
     @classmethod
     def read(cls, reader: YamlReader) -> "MapConfig":
         """Reads a map that has its walls in itself.
-
-        Args:
-            reader: the file or the section.
 
         Raises:
             YamlError: something in it is wrong.
@@ -231,7 +228,7 @@ def read_map(
 
     Args:
         path: of the map's YAML file.
-        preprocessor: has the parameters for the file's expressions.
+        preprocessor: evaluates the file's expressions, with their parameters.
         simplify_map: how much outlines of images are simplified: an index of
             `simplify_outlines.TOLERANCES`; 0 leaves them as they are.
 
@@ -248,8 +245,8 @@ def read_image(path: Path, to_pixels: Callable[["Image.Image"], T]) -> T:
     """The pixels of an image.
 
     Args:
-        path: of the image.
-        to_pixels: makes them of the image, which is upright.
+        path: path of the image.
+        to_pixels: returns the pixels of the upright image.
 
     Returns:
         What `to_pixels` returns.
@@ -291,11 +288,7 @@ def _upright(image: "Image.Image") -> "Image.Image":
 
 
 def read_threshold(reader: YamlReader) -> float:
-    """The `occupied_thresh` of an image, with a warning if all of it is on one side of it.
-
-    Args:
-        reader: of the map.
-    """
+    """The `occupied_thresh` of an image, with a warning if all of it is on one side of it."""
     threshold = reader.get_float("occupied_thresh")
     if reader.is_sound and not 0.0 <= threshold < 1.0:
         message = f"expected a fraction from 0 to 1 (below 1), found {threshold:g}"
@@ -338,7 +331,7 @@ def _checked(segments: Segments, config: MapConfig, lines: Optional[IntArray]) -
 
     Args:
         segments: in the world [m].
-        config: the map that they are from.
+        config: the map with these walls, for errors.
         lines: the line of each in the file of line segments, if they are from one.
     """
     if len(segments) == 0:

@@ -40,9 +40,6 @@ def bright_pixels(image: "Image.Image", occupied_thresh: float) -> BoolArray:
 def transparent_pixels(image: "Image.Image") -> Optional[BoolArray]:
     """The mask of pixels that are wholly transparent; None if the image has no alpha.
 
-    Args:
-        image: of any mode.
-
     Returns:
         Shape (height, width), the top row first.
     """

@@ -31,7 +31,7 @@ def fill_pose(message: Any, pose: Tuple[float, float, float]) -> None:
     """Writes a pose into a message.
 
     Args:
-        message: a geometry_msgs/Pose.
+        message: geometry_msgs/Pose to write to.
         pose: [m, m, rad]; also that of a physics body.
     """
     message.position.x, message.position.y, yaw = pose
@@ -72,7 +72,7 @@ def fill_twist(message: Any, vx: float, vy: float, omega: float) -> None:
     """Writes a planar velocity into a message.
 
     Args:
-        message: a geometry_msgs/Twist.
+        message: geometry_msgs/Twist to write to.
         vx: [m/s].
         vy: [m/s].
         omega: [rad/s].

@@ -126,7 +126,7 @@ class Definition:
         """The MD5 sum by which ROS tells whether two nodes mean the same type.
 
         Args:
-            md5_of: the sum of a type that this one uses.
+            md5_of: returns the sum of a type that this one contains.
         """
         lines = [f"{each.type} {each.name}={each.written}" for each in self.constants]
         for field, kind in self.fields:

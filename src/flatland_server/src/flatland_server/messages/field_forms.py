@@ -52,8 +52,8 @@ def wire_form(
     Args:
         definition: the type's definition.
         definition_of: the definitions of the types that it uses.
-        types: their wire forms, for arrays of them.
-        factory: makes items of arrays.
+        types: wire forms of these types, for arrays of them.
+        factory: makes the items of arrays.
     """
     parts: List[Part] = []
     numbers: List[Tuple[str, str]] = []

@@ -116,11 +116,11 @@ def make_class(
 
     Args:
         definition: the type's definition.
-        bases: of the class, `Message` the first.
+        bases: base classes, first `Message`.
         factory: makes nested messages and times, by the name of their type.
         wire_form: the type's wire form.
         restore: makes a pickled message again, from the name of its type and its values.
-        attributes: others of the class.
+        attributes: further attributes of the class.
     """
     names = tuple(name for name, _ in definition.fields)
 

@@ -250,7 +250,7 @@ def ros_class(name: str, folder: str) -> Any:
     another could do anything.
 
     Args:
-        name: of the type, such as "sensor_msgs/LaserScan".
+        name: name of the type, such as "sensor_msgs/LaserScan".
         folder: "msg" or "srv".
     """
     package, _, bare = name.partition("/")
@@ -275,7 +275,7 @@ def deserialized(message_type: Any, data: bytes, errors: str = "surrogateescape"
     """A message of bytes from outside, which ROS's own classes would believe.
 
     Args:
-        message_type: its class, ROS's or ours.
+        message_type: class of the message: ROS's or ours.
         data: the serialized message.
         errors: as for `Reader`.
 

@@ -25,12 +25,7 @@ Corners = Sequence[Tuple[float, float]]
 
 
 class ModelMarkers:
-    """The markers of a model in the world.
-
-    Args:
-        model: the model.
-        frame_id: the world's frame id.
-    """
+    """The markers of a model in the world."""
 
     def __init__(self, model: Model, frame_id: str) -> None:
         self._model = model

@@ -12,7 +12,7 @@ class ObjectBudget:
     """The objects that may still be made for a message.
 
     Args:
-        most: of them.
+        most: greatest number of objects.
     """
 
     def __init__(self, most: int = MOST_OBJECTS) -> None:

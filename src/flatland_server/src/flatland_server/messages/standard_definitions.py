@@ -215,12 +215,7 @@ def standard_definitions() -> Dict[str, str]:
 
 
 def written_out(package: str, shorthand: str) -> Dict[str, str]:
-    """The definitions of a package in the .msg grammar, by name.
-
-    Args:
-        package: of the types.
-        shorthand: see above.
-    """
+    """The definitions of a package in the .msg grammar, by name."""
     return {
         f"{package}/{name.strip()}": "".join(_lines(parts))
         for name, _, parts in (line.partition(":") for line in _unwrapped(shorthand))

@@ -24,7 +24,7 @@ class Reader:
     """Takes values from serialized data.
 
     Args:
-        data: serialized.
+        data: the serialized values.
         errors: "strict" refuses strings that are not UTF-8, "surrogateescape" keeps their bytes.
 
     Attributes:

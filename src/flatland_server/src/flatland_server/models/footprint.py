@@ -84,7 +84,7 @@ class Footprint:
         Args:
             reader: the entry.
             registry: the layers that footprints may name.
-            checker: has the body's previous footprints.
+            checker: checker that has the body's previous footprints.
 
         Raises:
             YamlError: something in it is wrong, or Box2D cannot take the shape.
@@ -136,8 +136,8 @@ class Footprint:
             shape: None leaves it as it is.
             layers: None leaves them as they are.
             registry: the layers that footprints may name.
-            model: stands for the file in errors.
-            path: stands for its place in the file in errors.
+            model: name that stands for the file in errors.
+            path: place that stands for the place in the file in errors.
 
         Returns:
             The attributes that change, for `dataclasses.replace`.
@@ -164,7 +164,7 @@ class Footprint:
         """Gives a fixture this shape and these layers.
 
         Args:
-            fixture: keeps its material.
+            fixture: fixture to change; it keeps its material.
 
         Raises:
             ValueError: the body cannot have the shape.
@@ -178,7 +178,7 @@ class Footprint:
         """Adds this shape, with its material, to a body, or checks whether a body can have it.
 
         Args:
-            body: gets the shape, or checks it.
+            body: body that gets the shape, or a checker.
 
         Raises:
             ValueError: Box2D cannot represent the shape.

@@ -96,7 +96,7 @@ class Joint:
     """A joint of a model in the world.
 
     Args:
-        config: its entry in the model file.
+        config: the joint's entry in the model file.
         bodies: the bodies of the model, by name.
 
     Attributes:

@@ -50,10 +50,6 @@ class LayerConfig:
     def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "LayerConfig":
         """Reads an entry, and registers its names; does not read its map.
 
-        Args:
-            reader: the entry.
-            registry: of the world's collision layers.
-
         Raises:
             YamlError: something in the entry is wrong.
         """
@@ -95,9 +91,9 @@ class Layer(Entity):
     """A layer of a world.
 
     Args:
-        config: its entry in the world file.
+        config: the layer's entry in the world file.
         segments: its walls in the world [m]: shape (n, 4), x1, y1, x2, y2. It keeps this array.
-        physics: the physical world that it is added to.
+        physics: physical world to add the layer to.
         entities: the entities of that world; the layer adds itself.
         progress: called with the number of walls added so far, now and then.
     """

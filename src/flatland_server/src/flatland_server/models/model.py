@@ -60,9 +60,9 @@ class ModelConfig:
         """Reads a model file.
 
         Args:
-            path: the file's path.
+            path: path of the model file.
             registry: the layers that footprints may name.
-            preprocessor: has the parameters for the file's expressions.
+            preprocessor: evaluates the file's expressions, with their parameters.
 
         Raises:
             YamlError: something in it is wrong. Plugins check their own keys when they start.
@@ -98,7 +98,7 @@ class ModelConfig:
         """Reads the text of a model file; see `from_file`.
 
         Args:
-            source: the text.
+            source: YAML text of a model file.
             folder: where relative paths in it begin.
             registry: as for `from_file`.
             preprocessor: as for `from_file`.
@@ -139,9 +139,9 @@ class Model(Entity):
         name: unique in the world.
         namespace: of its topics and frames; may be empty. A "~" before it makes the frame of its
             odometry one of its own, too, even if its file names it without "~".
-        config: the contents of its file.
-        pose: of its origin in the world.
-        physics: the physical world that it is added to.
+        config: content of the model's file.
+        pose: pose of its origin in the world [m, m, rad].
+        physics: physical world to add the model to.
         registry: the collision layers of that world.
         entities: the entities of that world; the model adds itself.
         change: makes a change that ends contacts, now or at the end of the step; also gets the log
@@ -271,7 +271,7 @@ class Model(Entity):
 
     @property
     def is_away(self) -> bool:
-        """Whether it is a recorded person who has not come yet, or has gone."""
+        """True for a recorded person who has not come yet, or has gone."""
         return self.base.pose.x >= _core.AWAY
 
     @property

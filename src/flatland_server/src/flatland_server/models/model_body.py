@@ -73,9 +73,9 @@ class ModelBody:
     """A body of a model in the world.
 
     Args:
-        config: its entry in the model file.
-        model_pose: of the model's origin in the world.
-        physics: the physical world that it is added to.
+        config: the body's entry in the model file.
+        model_pose: pose of the model's origin in the world [m, m, rad].
+        physics: physical world to add the body to.
 
     Raises:
         ValueError: Box2D cannot represent a footprint; the world is unchanged.

@@ -67,7 +67,7 @@ class BatchMotion(ABC):
         """Called when an environment is reset.
 
         Args:
-            environment: its index.
+            environment: index of the environment, from 0.
             rng: the random numbers of the plugin there (`Plugin.rng`).
             walls: of each layer of its world (`World.layers`), if plugins add some at random; None:
                 the walls are those of the plugin's world.
@@ -100,7 +100,7 @@ class BatchMotion(ABC):
         `get_state` has to give the same.
 
         Args:
-            environment: its index.
+            environment: index of the environment, from 0.
         """
         raise NotImplementedError(f"{type(self).__name__} has no get_state")
 
@@ -108,8 +108,8 @@ class BatchMotion(ABC):
         """Restores an environment, which was begun before.
 
         Args:
-            environment: its index.
-            state: of `get_state`, here or of the plugin.
+            environment: index of the environment, from 0.
+            state: result of `get_state`, of this role or of the plugin.
         """
         raise NotImplementedError(f"{type(self).__name__} has no set_state")
 

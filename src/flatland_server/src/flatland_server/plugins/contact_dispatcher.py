@@ -28,7 +28,7 @@ class ContactDispatcher:
     """Calls the contact hooks of plugins, in the order in which the plugins were started.
 
     Args:
-        physics: the world that reports contacts.
+        physics: physical world with the contacts.
         entities: the models and layers of this world.
         call: called with a plugin, the name of its hook, the hook and its arguments; calls the hook
             and handles its exceptions.
@@ -63,7 +63,7 @@ class ContactDispatcher:
         """Registers the contact hooks of a plugin.
 
         Args:
-            plugin: to be called after those that were added before.
+            plugin: plugin to call after those that were added before.
             entity: its model; None for a plugin of the world, which gets all contacts.
             hooks: the hooks that it overrides, by name.
         """

@@ -50,8 +50,8 @@ class PluginDeclaration:
     """A class that a package declares.
 
     Args:
-        name: in YAML files.
-        package: that declares it.
+        name: name of the type in YAML files.
+        package: package that declares the plugin.
         class_path: the module and the class, such as `flatland_plugins.laser.Laser`.
         is_cpp: whether it is a C++ class, as plugins of the original Flatland are.
         namespace: before the name, as in the declaration `my_namespace::ConstVelocity`.
@@ -83,7 +83,7 @@ class PluginDeclaration:
         """The declaration of a class that no package exports, under its own name.
 
         Args:
-            plugin: the class.
+            plugin: class of the plugin.
         """
         module = plugin.__module__
         return cls(plugin.__name__, module.partition(".")[0], f"{module}.{plugin.__name__}")

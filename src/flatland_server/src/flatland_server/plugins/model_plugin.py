@@ -59,7 +59,7 @@ class ModelPlugin(Plugin):
         message at this time.
 
         Args:
-            timekeeper: has the time.
+            timekeeper: gives the simulated time.
 
         Returns:
             Anything; a new object each time, which the caller may keep and change.
@@ -85,7 +85,7 @@ class ModelPlugin(Plugin):
 
         Args:
             config: the plugin's configuration.
-            key: has the body's name.
+            key: key of the body's name.
             default: the name if the key is missing; without it, the key is required.
 
         Returns:
@@ -107,7 +107,7 @@ class ModelPlugin(Plugin):
 
         Args:
             config: the plugin's configuration.
-            key: has the list.
+            key: key of the list.
         """
         names = config.get_strings(key, ())
         for name in names:
@@ -122,7 +122,7 @@ class ModelPlugin(Plugin):
 
         Args:
             config: the plugin's configuration.
-            key: has the joint's name.
+            key: key of the joint's name.
             default: its name if the key is missing, such as "" for no joint; without it, the key is
                 required.
 
@@ -166,6 +166,6 @@ class ModelPlugin(Plugin):
         """The name of one of the model's frames, with its namespace; see `Model.name_space_tf`.
 
         Args:
-            frame_id: without the namespace.
+            frame_id: name of the frame, without the namespace.
         """
         return self.model.name_space_tf(frame_id)

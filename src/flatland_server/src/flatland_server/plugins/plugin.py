@@ -149,7 +149,7 @@ class Plugin:
 
     @property
     def groups(self) -> Sequence[Sequence[Model]]:
-        """Those of its people who belong together, group by group."""
+        """Its people that belong together, group by group."""
         return ()
 
     def get_frame_id(self, config: YamlReader, key: str, default: Any = REQUIRED) -> str:
@@ -213,21 +213,21 @@ class Plugin:
         """Called after the physics.
 
         Args:
-            timekeeper: has the time, t + dt.
+            timekeeper: the simulated time, t + dt.
         """
 
     def begin_contact(self, contact: _core.Contact) -> None:
         """Called when two fixtures have started to touch.
 
         Args:
-            contact: of these fixtures.
+            contact: the contact of these fixtures.
         """
 
     def end_contact(self, contact: _core.Contact) -> None:
         """Called when two fixtures have ceased to touch, or one that touches is deleted.
 
         Args:
-            contact: of these fixtures.
+            contact: the contact of these fixtures.
         """
 
     def pre_solve(self, contact: _core.Contact, old_manifold: _core.Manifold) -> None:
@@ -254,7 +254,7 @@ class Plugin:
         a run is the same with pictures and without.
 
         Args:
-            canvas: the picture.
+            canvas: picture to draw on.
             timekeeper: the simulated time.
         """
 

@@ -48,11 +48,11 @@ class PluginFactory:
         """Makes a plugin and initializes it.
 
         Args:
-            config: its entry in the file of a model or the world.
-            base: the class that it must be derived from.
-            model_name: empty for a plugin of the world.
+            config: the plugin's entry in the file of a model or of the world.
+            base: base class that the plugin must have.
+            model_name: name of its model; empty for a plugin of the world.
             namespace: its topics' namespace.
-            subject: its model, or the world.
+            subject: the model, or the world, that the plugin belongs to.
             on_failure: called with the plugin and a description of the callback, if a callback of
                 one of its subscriptions raises an exception.
 
@@ -93,8 +93,8 @@ def plugin_rng(seed: int, model_name: str, plugin_name: str) -> np.random.Genera
 
     Args:
         seed: the world's seed.
-        model_name: of its model; empty for a plugin of the world.
-        plugin_name: its own.
+        model_name: name of its model; empty for a plugin of the world.
+        plugin_name: name of the plugin.
     """
     seeds: Any = _Seeds(seed, _stream(model_name, plugin_name))
     return np.random.Generator(np.random.PCG64(seeds))

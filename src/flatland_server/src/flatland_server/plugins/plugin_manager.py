@@ -82,7 +82,7 @@ class PluginManager:
         transport: carries the topics, transforms and parameters of the plugins.
         loader: finds plugin classes.
         seed: the world's seed.
-        physics: reports contacts.
+        physics: physical world with the contacts.
         entities: the models and layers that take part in contacts.
         revision: counts the changes of plugins; the world's, which may get another manager.
 
@@ -115,7 +115,7 @@ class PluginManager:
 
     @property
     def is_starting(self) -> bool:
-        """True if plugins are being initialized at the moment."""
+        """True while plugins are being initialized."""
         return self._starting > 0
 
     def all_plugins(self) -> List[Tuple[str, Plugin]]:
@@ -167,11 +167,11 @@ class PluginManager:
         """Starts the plugins of a model or of the world: all of them, or none.
 
         Args:
-            configs: their entries in the file.
-            base: the class that they must be derived from.
-            model_name: empty for the world.
+            configs: the plugins' entries in the file.
+            base: base class that the plugins must have.
+            model_name: name of the model; empty for the world.
             namespace: their topics' namespace.
-            subject: the model, or the world.
+            subject: the model, or the world, that the plugins belong to.
 
         Raises:
             FlatlandError: a plugin does not exist, or does not start.
@@ -274,12 +274,7 @@ class PluginManager:
                 self._call(plugin, "draw", plugin.draw, canvas, timekeeper)
 
     def publish_now(self, topic: str, timekeeper: Timekeeper) -> None:
-        """Calls `Plugin.publish_now` of the running plugins that publish a topic.
-
-        Args:
-            topic: its absolute name.
-            timekeeper: the simulated time.
-        """
+        """Calls `Plugin.publish_now` of the running plugins that publish a topic."""
         owners = self._root_node.owners_of(topic)
         for _, plugin in self.all_plugins():
             if plugin.node.owner in owners and plugin not in self._failures:

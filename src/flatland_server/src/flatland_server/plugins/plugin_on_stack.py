@@ -7,11 +7,7 @@ from flatland_server.plugins.plugin import Plugin
 
 
 def running_plugin(frame: Optional[FrameType]) -> Optional[Plugin]:
-    """The plugin that is called innermost on a stack; None if there is none.
-
-    Args:
-        frame: the innermost frame of the stack.
-    """
+    """The plugin that is called innermost on a stack; None if there is none."""
     while frame is not None:
         code, local = frame.f_code, frame.f_locals
         # The first parameter, usually self; and `plugin` in the plugin manager.

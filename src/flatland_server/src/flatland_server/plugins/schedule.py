@@ -74,7 +74,7 @@ class StepCalls:
     """The hooks to call in a step.
 
     Args:
-        plugins: those that are called, in their order.
+        plugins: the plugins to call, in their order.
 
     Attributes:
         hooks: with their plugins, by the name of the hook.
@@ -149,7 +149,7 @@ class Schedule:
         """The hooks to call in the step that begins now.
 
         Args:
-            timekeeper: has the time of the step.
+            timekeeper: gives the time of the step.
             subscriber_revision: differs from that of the last step if subscribers have changed.
         """
         if subscriber_revision != self.plan.subscriber_revision:

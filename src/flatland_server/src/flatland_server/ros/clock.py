@@ -44,10 +44,6 @@ class ClockPublisher(Clock):
 
     Sending a tick can take longer than simulating a step. So ticks are collected and sent together,
     each as a message of its own.
-
-    Args:
-        timekeeper: the simulated time.
-        rospy_calls: the operations of rospy to use.
     """
 
     def __init__(self, timekeeper: Timekeeper, rospy_calls: RospyCalls) -> None:

@@ -21,7 +21,7 @@ def check_launch_arguments(launch_files: Sequence[Path], command_line: Sequence[
     Args:
         launch_files: the launch file that starts this node; and others that include it and hand all
             arguments on to it.
-        command_line: of the parent process.
+        command_line: arguments of the parent process, which is roslaunch.
 
     Raises:
         FlatlandError: the launch file does not have one of the arguments.

@@ -27,8 +27,9 @@ class OtherPublishers:
 
     Args:
         counts: the number of publishers that plugins have of each topic.
-        master: to ask.
-        localisers: is told of all publishers, if the server places frames of odometry.
+        master: the ROS master to ask.
+        localisers: gets the publishers of all topics; None unless the server places odometry
+            frames.
     """
 
     def __init__(

@@ -35,7 +35,7 @@ def subscribe(topic: str, receive: Callable[[RawMessage], None]) -> rospy.Subscr
     """Subscribes to messages of all types.
 
     Args:
-        topic: its name.
+        topic: name of the topic, with or without a leading "/".
         receive: called with each message, on a thread of rospy's.
     """
 

@@ -51,7 +51,7 @@ class AddedObjects:
         """The states of the models that exist, in the order in which they were added.
 
         Args:
-            models: those of the world, by name.
+            models: models of the world, by name.
 
         Raises:
             StateError: one of them has no file that it could be read from again.

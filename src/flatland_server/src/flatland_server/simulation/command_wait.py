@@ -18,7 +18,7 @@ class CommandWait:
     time has ended or has no goal: it is waited for again from its next command on.
 
     Args:
-        arrivals: the transport's arrivals.
+        arrivals: arrivals of messages on the transport.
         steps: the age of a command from which on the simulation waits for the next one.
         clock: returns the real time [s].
     """

@@ -37,11 +37,7 @@ _checked: "WeakValueDictionary[int, WorldConfig]" = WeakValueDictionary()
 
 
 def warn_of_traps(contents: WorldContents) -> None:
-    """Warns about a world whose plugins have started: once after its files were read.
-
-    Args:
-        contents: the world's contents.
-    """
+    """Warns about a world after its plugins have started: once after its files were read."""
     config = contents.config
     if _checked.get(id(config)) is config:
         return
@@ -138,7 +134,7 @@ def warn_of_sensors(config: ModelConfig, plugins: Sequence[Plugin]) -> None:
 
     Args:
         config: a model's config.
-        plugins: of the model, which have started.
+        plugins: plugins of the model, which have started.
     """
     readers = {each.name: each.reader for each in config.plugins}
     names = [each.name for each in config.bodies]
@@ -178,13 +174,7 @@ def _held_to(bodies: Set[str], config: ModelConfig) -> Set[str]:
 
 
 def _warn_of_own_footprints(config: ModelConfig, name: str, lidar: YamlReader) -> None:
-    """Warns of a lidar on the outline of a footprint, or within one of several that overlap.
-
-    Args:
-        config: of its model.
-        name: of its body.
-        lidar: its entry.
-    """
+    """Warns of a lidar on the outline of a footprint, or within one of several that overlap."""
     layers = set(lidar.get_strings("layers", (ALL,)))
     origin = lidar.get_pose("origin", Pose())
     given = lidar.content().get("ignore_bodies") or ()

@@ -24,7 +24,7 @@ class Run:
     `SimulationManager` steps it in real time, `Simulation` at the calls of a program.
 
     Args:
-        world: to step.
+        world: world to step.
         timekeeper: counts the simulated time.
         raise_failures: whether the exception of a plugin ends the step with a PluginError;
             otherwise it is logged. In both cases the plugin is switched off.
@@ -118,7 +118,7 @@ class Run:
         steps that affect each other.
 
         Args:
-            limit: of the number of steps, 1 or more.
+            limit: greatest number of steps, 1 or more.
 
         Returns:
             The number of steps made.
@@ -230,7 +230,7 @@ class Run:
         """Replaces the world's contents by those of other files, and returns this run.
 
         Args:
-            config: see `World.read_config`.
+            config: contents of the new files; see `World.read_config`.
             keep_time: whether simulated time goes on, instead of beginning at 0.
 
         Raises:
@@ -265,7 +265,7 @@ class Run:
         Files of models that were spawned are read again.
 
         Args:
-            state: of `save_state`.
+            state: result of `save_state`.
 
         Returns:
             This run.

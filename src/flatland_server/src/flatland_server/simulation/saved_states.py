@@ -111,7 +111,7 @@ def _names(models: Sequence[Union[ModelEntry, ModelState]]) -> str:
 
 
 def _parts(entries: Sequence[Any]) -> List[Dict[str, Any]]:
-    """What tells the parts of a world from others: all but how often models were moved."""
+    """The entries as dicts to compare, without the number of times that models were moved."""
     return [{**asdict(each), "move_revision": 0} for each in entries]
 
 

@@ -22,7 +22,7 @@ class SimulationManager(RunWithHistory):
     """Steps a world at a rate of real time, and runs the callbacks of subscriptions in between.
 
     Args:
-        world: to step.
+        world: world to step.
         timekeeper: counts the simulated time; a `WallTimekeeper` allows no rate but real time.
         update_rate: steps per second of real time; infinity is as fast as the machine can.
         command_age: simulated time after a command from which on time stands still until the next
@@ -122,7 +122,7 @@ class SimulationManager(RunWithHistory):
         """Makes `run` make steps during a pause, one after the other without waits.
 
         Args:
-            count: how many.
+            count: number of steps.
             expected: topics, by their absolute names. The first step waits until a message has come
                 on each of them since the last step.
             timeout: how long it waits for them [s of real time].
@@ -149,7 +149,7 @@ class SimulationManager(RunWithHistory):
         """Makes `run` make steps, paused or not, one after the other without waits.
 
         Args:
-            count: how many; they follow those of a request that is being served.
+            count: number of steps; they follow those of a request that is being served.
             then_pause: whether the simulation is paused after them; else it is as before.
 
         Returns:

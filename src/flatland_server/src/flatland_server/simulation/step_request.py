@@ -11,11 +11,11 @@ class StepRequest:
     """Steps to be made, the first of them once expected messages have arrived.
 
     Args:
-        count: how many steps, 1 or more.
+        count: number of steps, 1 or more.
         expected: topics, by their absolute names; the first step waits until all subscriptions to
             them have received a message since the last step.
         deadline: real time at which the wait ends without a step [s].
-        arrivals: the transport's arrivals.
+        arrivals: arrivals of messages on the transport.
 
     Raises:
         ValueError: the count is below 1, or a topic has no subscription here.

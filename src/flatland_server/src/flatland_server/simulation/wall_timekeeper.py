@@ -55,7 +55,7 @@ class WallPacer(Pacer):
     """A pacer that brings the stamps up to date before each step, and during a pause.
 
     Args:
-        timekeeper: the stamps.
+        timekeeper: timekeeper with the stamps.
         clock: returns the real time [s], as of `Pacer`.
     """
 

@@ -56,7 +56,7 @@ class World:
     plugins are shut down afterwards. So topics that both have keep their connections.
 
     Args:
-        config: the contents of the world's files.
+        config: contents of the world's files.
         transport: carries topics, transforms and parameters; by default within this process alone.
         seed: of all random numbers. Equal seeds and commands give equal runs.
         loader: finds plugin classes; by default those on ROS_PACKAGE_PATH.
@@ -104,7 +104,7 @@ class World:
         """Loads a world file.
 
         Args:
-            path: the file's path.
+            path: path of the world file.
             transport: as for the class.
             seed: as for the class.
             simplify_map: how much the outlines of map images are simplified; see `read_map`.
@@ -288,7 +288,7 @@ class World:
         """Adds a model that has been read already, or made without a file, to the world.
 
         Args:
-            entry: of `read_model_entry`, or made by a program.
+            entry: result of `read_model_entry`, or an entry made by a program.
 
         Raises:
             FlatlandError: its name is taken, its bodies cannot be created, or one of its plugins
@@ -383,7 +383,7 @@ class World:
         """Checks that no step is being made, and no plugin is being started or stopped.
 
         Args:
-            name: of the function that is called, for the error.
+            name: name of the calling function, for the error.
 
         Raises:
             FlatlandError: otherwise.
@@ -436,7 +436,7 @@ class World:
         """Replaces all contents, between two steps; for `Run`.
 
         Args:
-            config: what the new contents are made of.
+            config: contents of the files to build from.
             seed: the seed of the new contents.
             restore: called when these have started, before the former ones are gone.
 

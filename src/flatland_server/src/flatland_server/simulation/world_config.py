@@ -100,7 +100,7 @@ class WorldConfig:
         """Reads a world file and the files that it refers to.
 
         Args:
-            path: the file's path.
+            path: path of the world file.
             preprocessor: evaluates expressions in the files.
             simplify_map: how much the outlines of map images are simplified; see `read_map`.
             model_folders: where model files are looked up that are not beside the world file.
@@ -308,7 +308,7 @@ class WorldConfig:
         """The same world with other walls in its first layer.
 
         Args:
-            segments: these walls.
+            segments: the walls: shape (n, 4), x1, y1, x2, y2 [m].
         """
         first, *rest = self.layers
         map = "walls of an environment"

@@ -24,10 +24,10 @@ class WorldContents:
 
     Args:
         config: the contents of the world's files.
-        seed: of all random numbers.
+        seed: seed of all random numbers.
         transport: carries the topics of the plugins.
         loader: finds plugin classes.
-        revision: counts the changes of plugins.
+        revision: counter of the changes of plugins.
         former: the contents that these replace, if any.
 
     Attributes:

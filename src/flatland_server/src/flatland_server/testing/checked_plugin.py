@@ -88,7 +88,7 @@ class CheckedPlugin:
     """A plugin, and the world in which it is checked.
 
     Args:
-        entry: of the plugin, with its type and name.
+        entry: entry of the plugin, with its type and name.
         model: of the robot: its file without plugins; by default a disc called "base".
         world: its file without the robot; by default a room of 10 x 10 m, its walls on the layer
             "map".

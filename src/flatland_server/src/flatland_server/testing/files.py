@@ -54,7 +54,7 @@ class WorldFiles:
         """Writes a file.
 
         Args:
-            name: the file's name.
+            name: name of the file, relative to the folder.
             content: a dict is written as YAML, a string without its common indentation.
         """
         if not isinstance(content, str):
@@ -68,7 +68,7 @@ class WorldFiles:
 
         Args:
             name: of the file, without ".yaml".
-            segments: the walls.
+            segments: the walls [m]: shape (n, 4), x1, y1, x2, y2.
         """
         lines = [each if isinstance(each, str) else " ".join(map(repr, each)) for each in segments]
         self.write(f"{name}.dat", "\n".join(lines))
@@ -140,7 +140,7 @@ class WorldFiles:
             footprint: its body's footprint.
             namespace: of its topics and frames.
             pose: where it stands [m, m, rad].
-            walls: put on a layer "walls".
+            walls: segments [m] of a layer "walls".
             layers: further layers.
             others: further models, as for `load_models`.
             options: of `World.from_file`.

@@ -76,7 +76,7 @@ class Harness(Run):
         """The newest message of a topic; None if there is none yet.
 
         Args:
-            topic: its name.
+            topic: name of the topic, with or without a leading "/".
         """
         return self.transport.last(topic)
 
@@ -84,8 +84,8 @@ class Harness(Run):
         """Publishes a message, to be received before the next step.
 
         Args:
-            topic: its name.
-            message: of the topic's type.
+            topic: name of the topic, with or without a leading "/".
+            message: the message, of the topic's type; see `messages.get`.
         """
         self.transport.send(topic, message)
         return self
@@ -99,7 +99,7 @@ class Harness(Run):
             forwards: velocity [m/s].
             turn: yaw rate [rad/s].
             left: velocity to the left [m/s].
-            topic: its name.
+            topic: name of the topic, with or without a leading "/".
         """
         twist = get("geometry_msgs/Twist")()
         twist.linear.x, twist.linear.y, twist.angular.z = forwards, left, turn
@@ -109,7 +109,7 @@ class Harness(Run):
         """Advances the time, and returns the messages of a topic meanwhile, at most one a step.
 
         Args:
-            topic: its name.
+            topic: name of the topic, with or without a leading "/".
             seconds: of simulated time.
         """
         messages: List[Any] = []

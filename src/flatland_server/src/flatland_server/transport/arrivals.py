@@ -18,7 +18,7 @@ class Arrivals:
         """A new subscription.
 
         Args:
-            topic: its absolute name.
+            topic: absolute name of the topic, such as "/robot1/scan".
             message_type: of its messages; those of `_COMMAND` command a robot.
         """
         arrival = Arrival(self, topic)
@@ -42,11 +42,7 @@ class Arrivals:
             each.note()
 
     def is_first(self, arrival: "Arrival") -> bool:
-        """True if a subscription is the oldest one of its topic.
-
-        Args:
-            arrival: the subscription.
-        """
+        """True if a subscription is the oldest one of its topic."""
         return self._subscriptions.get(arrival.topic, [None])[0] is arrival
 
     def next_step(self) -> None:
@@ -60,9 +56,6 @@ class Arrivals:
 
     def has_received(self, topic: str) -> Optional[bool]:
         """True if each subscription of a topic has got a message since the last step.
-
-        Args:
-            topic: its absolute name.
 
         Returns:
             None if the topic has no subscription.

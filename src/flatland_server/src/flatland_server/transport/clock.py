@@ -6,12 +6,7 @@ from flatland_server.transport.transport import Transport
 
 
 class Clock:
-    """Publishes the time of each step.
-
-    Args:
-        transport: the transport of the topic.
-        timekeeper: the simulated time.
-    """
+    """Publishes the time of each step."""
 
     def __init__(self, transport: Transport, timekeeper: Timekeeper) -> None:
         self._transport = transport

@@ -45,10 +45,10 @@ class FrameRegistry:
         """Registers the publisher of a frame; warns once if there is another one already.
 
         Args:
-            parent: the frame that the transform is from.
-            child: the frame that it places.
+            parent: parent frame of the transform.
+            child: child frame of the transform.
             publisher: a plugin, as `model/plugin` or the name of a plugin of the world.
-            warn: logs its warnings.
+            warn: called with the text of a warning.
 
         Raises:
             TopicError: TF cannot have a frame of one of these names.
@@ -81,7 +81,7 @@ class FrameRegistry:
         Args:
             frame_id: the frame that odometry starts from, such as "odom".
             publisher: a plugin, as `model/plugin`.
-            warn: logs its warnings.
+            warn: called with the text of a warning.
         """
         publishers = self._odometry.setdefault(frame_id, {})
         if publisher not in publishers:

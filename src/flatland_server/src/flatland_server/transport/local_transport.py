@@ -62,8 +62,8 @@ class LocalTransport(Transport):
         """Sends a message to the subscribers of a topic; `process` runs their callbacks.
 
         Args:
-            topic: its name.
-            message: of the topic's type.
+            topic: name of the topic, with or without a leading "/".
+            message: the message, of the topic's type; see `messages.get`.
         """
         name = absolute_name(topic)
         self._inbox.append((name, message))
@@ -75,7 +75,7 @@ class LocalTransport(Transport):
         """The last message published to a topic, or None.
 
         Args:
-            topic: its name.
+            topic: name of the topic, with or without a leading "/".
         """
         return self._last.get(absolute_name(topic), (None, None))[1]
 
@@ -83,7 +83,7 @@ class LocalTransport(Transport):
         """The last message of a topic if it is latched, or None.
 
         Args:
-            topic: its name.
+            topic: name of the topic, with or without a leading "/".
         """
         publisher, message = self._last.get(absolute_name(topic), (None, None))
         return message if publisher is not None and publisher.is_latched else None
@@ -138,7 +138,7 @@ class LocalTransport(Transport):
         """True if a topic counts as having a subscriber.
 
         Args:
-            topic: its name.
+            topic: name of the topic, with or without a leading "/".
         """
         topics, name = self._subscribed_topics, absolute_name(topic)
         if topics is None or name in topics or self._callbacks.get(name):
@@ -149,7 +149,7 @@ class LocalTransport(Transport):
         """Passes on all messages from now on, and first the last ones of latched topics.
 
         Args:
-            tap: receives them.
+            tap: tap that receives the messages.
         """
         self._taps = (*self._taps, tap)
         self._subscribers_change()
@@ -161,7 +161,7 @@ class LocalTransport(Transport):
         """Stops passing messages to a tap.
 
         Args:
-            tap: receives no further message.
+            tap: tap that receives no further messages.
         """
         self._taps = tuple(each for each in self._taps if each is not tap)
         self._subscribers_change()

@@ -14,7 +14,7 @@ class NamespaceTransforms(TransformSender):
     """Collects the transforms of a step, which leave as one message. Opens the topic if it is used.
 
     Args:
-        transport: carries the topic.
+        transport: transport on which the topic is published.
         namespace: of the topic, not empty.
     """
 

@@ -43,7 +43,7 @@ class Node:
     When the plugin ends, the node is closed with all of its topics and frames.
 
     Args:
-        transport: carries them.
+        transport: transport of the topics and transforms.
         namespace: put before each name that does not begin with "/".
         owner: the name of the plugin, for warnings.
         frames: the frames of the whole world, to find those with several publishers.
@@ -95,7 +95,7 @@ class Node:
         Without a namespace, or if each one has transforms of its own, it stays as it is.
 
         Args:
-            frame_id: without the namespace.
+            frame_id: name of the frame, without the namespace.
         """
         return frame_id if self._own_tf else namespaced_frame(self.namespace, frame_id)
 
@@ -200,8 +200,8 @@ class Node:
         """Announces that this node publishes a frame; warns if another one does already.
 
         Args:
-            parent: the frame's parent.
-            child: the frame.
+            parent: parent frame of the transform.
+            child: frame that this node publishes.
 
         Raises:
             TopicError: TF cannot have a frame of this name.
@@ -214,7 +214,7 @@ class Node:
         Such a frame is of one model alone; warns if a node of another model has announced it.
 
         Args:
-            frame_id: of the frame of odometry.
+            frame_id: name of the odometry frame.
         """
         self._frames.claim_odometry(frame_id, self.owner, self.warn)
 
@@ -232,7 +232,7 @@ class Node:
         """The owners of the nodes that publish or subscribe to a topic.
 
         Args:
-            topic: its absolute name.
+            topic: absolute name of the topic, such as "/robot1/scan".
         """
         return self._topics.owners_of(topic)
 
@@ -252,7 +252,7 @@ class Node:
         """Sends a transform, together with all others of the step.
 
         Args:
-            transform: of one time.
+            transform: transform at one time.
         """
         self._frames.claim(transform.parent, transform.child, self.owner, self.warn)
         self._tf.send_transform(transform)

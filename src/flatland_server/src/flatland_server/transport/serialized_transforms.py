@@ -48,7 +48,7 @@ class SerializedFrames(Frames):
     """Frames serialized in advance, except for their stamps and poses.
 
     Args:
-        queue: collects the transforms.
+        queue: queue that gets the transforms.
         names: (parent, child) of each frame.
     """
 

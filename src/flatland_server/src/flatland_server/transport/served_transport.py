@@ -1,4 +1,4 @@
-"""The interface of a transport whose simulation other threads talk to."""
+"""The interface of a transport for a simulation that other threads talk to."""
 
 from abc import abstractmethod
 from concurrent.futures import Future, wait
@@ -30,7 +30,7 @@ class ServedTransport(Transport):
         """Queues an action for the simulation's thread, between steps.
 
         Args:
-            action: called between two steps.
+            action: called once, between two steps.
         """
 
     @abstractmethod
@@ -38,18 +38,14 @@ class ServedTransport(Transport):
         """The error of a call that the end of the simulation leaves without a result."""
 
     def open_clock(self, timekeeper: Timekeeper) -> Clock:
-        """Opens /clock.
-
-        Args:
-            timekeeper: the simulated time.
-        """
+        """Opens /clock."""
         return Clock(self, timekeeper)
 
     def call(self, function: Callable[[], T]) -> T:
         """Runs a function on the simulation's thread, between steps, and returns its result.
 
         Args:
-            function: raises what this raises.
+            function: function to call; its exception is raised here.
 
         Raises:
             Exception: `end_error()`, if the simulation ends before; those of `post`.
@@ -69,7 +65,7 @@ class ServedTransport(Transport):
         """Waits for a result that simulated time or a client brings.
 
         Args:
-            future: raises what this raises.
+            future: the result; its exception is raised here.
 
         Raises:
             Exception: `end_error()`, if the simulation ends before.
@@ -83,11 +79,7 @@ class ServedTransport(Transport):
         return future.result()
 
     def forget(self, publisher: Publisher) -> None:
-        """Drops the last message of a latched topic, which later subscribers would get.
-
-        Args:
-            publisher: a publisher of the topic.
-        """
+        """Drops the last message of a latched topic, which later subscribers would get."""
 
     def registration(self) -> ContextManager[None]:
         """A context in which topics are opened and closed, to register them together."""

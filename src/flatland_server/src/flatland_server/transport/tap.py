@@ -17,7 +17,7 @@ class Tap(ABC):
         """True if the messages of a topic are to be received.
 
         Args:
-            topic: its absolute name; "/tf" too.
+            topic: absolute name of the topic; also "/tf".
         """
 
     @abstractmethod
@@ -25,7 +25,7 @@ class Tap(ABC):
         """Receives a message of a topic that it wants.
 
         Args:
-            topic: its absolute name.
+            topic: absolute name of the topic, such as "/robot1/scan".
             message: a message of the topic.
             is_latched: whether new subscribers get it, too.
         """
@@ -35,5 +35,5 @@ class Tap(ABC):
         """Receives a transform, if it wants "/tf".
 
         Args:
-            transform: of one time.
+            transform: transform at one time.
         """

@@ -40,8 +40,8 @@ class Publisher(ABC):
         A transport may skip it if the topic has no subscriber.
 
         Args:
-            writer: makes the message.
-            values: passed to the writer.
+            writer: makes a message of values, or its bytes.
+            values: arguments of the writer.
         """
         self.publish(writer.message(*values))
 
@@ -49,7 +49,7 @@ class Publisher(ABC):
         """A message that the core writes to the present subscribers at each step.
 
         Args:
-            message: the message.
+            message: the message that the core writes.
 
         Returns:
             None if the transport cannot do this: `write` has to be called.
@@ -96,7 +96,7 @@ class Frames:
         """The transforms as a message that the core writes at each step.
 
         Args:
-            poses: of each frame in its parent.
+            poses: pose of each frame in its parent.
 
         Returns:
             None if the transport cannot do this: `send` has to be called.
@@ -117,7 +117,7 @@ class TransformSender(ABC):
         """Adds a transform to those of the present step; the transport's `flush` sends them.
 
         Args:
-            transform: of one time.
+            transform: transform at one time.
         """
 
     def open_frames(self, names: Sequence[Tuple[str, str]]) -> Frames:
@@ -180,7 +180,7 @@ class Transport(TransformSender):
         """Opens a topic for publishing; see `Node.advertise`.
 
         Args:
-            topic: its name.
+            topic: name of the topic, with or without a leading "/".
             message_type: the class of its messages.
             latch: whether new subscribers get the last message.
             queue_size: how many messages wait for a slow subscriber before the oldest is dropped.
@@ -193,7 +193,7 @@ class Transport(TransformSender):
         """Subscribes to a topic.
 
         Args:
-            topic: its name.
+            topic: name of the topic, with or without a leading "/".
             message_type: the class of its messages.
             callback: called by `process` with each message.
         """
@@ -216,7 +216,7 @@ class Transport(TransformSender):
         """The value of a parameter.
 
         Args:
-            name: its absolute name.
+            name: absolute name of the parameter, such as "/robot1/radius".
             default: the value if there is no such parameter.
         """
 

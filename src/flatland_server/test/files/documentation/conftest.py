@@ -43,11 +43,7 @@ class RobotSimulation(Harness):
 
 
 class Documented:
-    """A folder with the documentation's examples, and the files that they name.
-
-    Args:
-        files: the folder's files.
-    """
+    """A folder with the documentation's examples, and the files that they name."""
 
     def __init__(self, files: Any) -> None:
         shutil.copytree(EXAMPLES, files.folder, dirs_exist_ok=True)

@@ -123,7 +123,7 @@ def test_a_tricycle_has_no_limits_by_default(documented, tricycle_drive, which, 
     [("", 2.0), (", deceleration_limit: ", 2.0), (", deceleration_limit: 0.0", 0.0)],
     ids=["not there", "left blank", "none"],
 )
-def test_the_deceleration_limit_is_the_acceleration_limit_by_default(
+def test_deceleration_limit_defaults_to_acceleration_limit(
     documented, drive, section, deceleration, limit
 ):
     entry = f"{drive.least}, {section}: {{acceleration_limit: 2{deceleration}}}"

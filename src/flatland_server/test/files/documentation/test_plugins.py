@@ -34,7 +34,7 @@ def test_an_example_runs(documented, page, bodies, count, topics):
 # Bumper
 
 
-def test_the_bumpers_of_the_example_have_frames_and_rates_of_their_own(documented):
+def test_the_example_bumpers_have_their_own_frames_and_rates(documented):
     bodies = documented.discs("base", "left_wheel", "right_wheel")
     robot = documented.robot(documented.page("bumper"), bodies)
 
@@ -62,7 +62,7 @@ def test_the_bumpers_of_the_example_ignore_the_excluded_bodies(documented):
 # Bool Sensor
 
 
-def test_the_bool_sensor_of_the_example_is_in_the_models_namespace(documented):
+def test_the_example_bool_sensor_is_in_the_models_namespace(documented):
     bodies = documented.discs("base", "detector")
     robot = documented.robot(documented.page("bool_sensor"), bodies, namespace="foo")
 

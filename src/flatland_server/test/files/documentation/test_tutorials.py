@@ -23,7 +23,7 @@ def test_the_turtlebot_of_quick_start_drives(documented):
     assert turtlebot.pose == pytest.approx(arc, abs=1e-3)
 
 
-def test_the_cleaner_of_create_model_has_its_bodies_joints_and_plugins(documented):
+def test_the_cleaner_of_create_model_is_complete(documented):
     cleaner = documented.model("cleaner.model.yaml")
 
     assert [body.name for body in cleaner.bodies] == [

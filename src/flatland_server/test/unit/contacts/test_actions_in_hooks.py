@@ -66,7 +66,7 @@ def test_impulses_can_be_applied_in_contact_hooks(room, hook, push, expected):
 
 @pytest.mark.parametrize(("push", "expected"), FORCES)
 @pytest.mark.parametrize("hook", ["begin_contact", "pre_solve", "end_contact"])
-def test_forces_can_be_applied_in_contact_hooks_before_the_solver(room, hook, push, expected):
+def test_forces_may_be_applied_in_contact_hooks(room, hook, push, expected):
     assert velocity_after_a_push(room, hook, push) == pytest.approx(expected, rel=1e-4, abs=1e-5)
 
 
@@ -86,7 +86,7 @@ def test_forces_can_be_applied_in_contact_hooks_before_the_solver(room, hook, pu
         pytest.param(lambda m, b: m.physics.step(DT), id="step"),
     ],
 )
-def test_an_impossible_change_in_a_hook_switches_off_only_its_plugin(room, hook, action, caplog):
+def test_an_impossible_change_in_a_hook_disables_only_its_plugin(room, hook, action, caplog):
     def try_it(plugin, *_):
         if plugin.label == "bad/p0":
             action(plugin.model, plugin.model.base.physics_body)

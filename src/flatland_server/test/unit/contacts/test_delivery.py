@@ -35,7 +35,7 @@ def test_the_hooks_of_a_step_are_called_in_their_order(room):
     assert called_hooks() == ["before_physics_step", "end_contact", "after_physics_step"]
 
 
-def test_the_core_reports_only_the_events_whose_hooks_are_overridden(room):
+def test_the_core_reports_only_events_with_overridden_hooks(room):
     room.put("ball", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0), "OnlyBegin")
     room.run(0.1)
     assert called_hooks() == ["begin_contact"]
@@ -50,7 +50,7 @@ def test_the_core_reports_only_the_events_whose_hooks_are_overridden(room):
 
 
 @pytest.mark.parametrize("plugins", ["", "NoContactHooks"])
-def test_the_core_reports_no_contacts_of_a_model_without_contact_hooks(room, plugins):
+def test_models_without_contact_hooks_have_no_events(room, plugins):
     ball = room.put("ball", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0), plugins)
     room.put("listener", (0.0, 3.0, 0.0), plugins="Listener")
     events = reported_events(room)
@@ -109,7 +109,7 @@ def test_plugins_of_both_models_get_a_contact_in_starting_order(room):
     assert solved[:3] == ["left/p0", "left/p2", "right/p0"]
 
 
-def test_plugins_of_the_world_get_a_contact_before_those_of_later_models(files, simulate):
+def test_world_plugins_get_contacts_before_later_models_do(files, simulate):
     room = Room(files, simulate, "[{type: WorldListener, name: world}]")
     room.put("ball", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener")
 
@@ -119,7 +119,7 @@ def test_plugins_of_the_world_get_a_contact_before_those_of_later_models(files, 
     assert begun == ["world", "ball/p0"]
 
 
-def test_the_plugins_of_a_model_get_a_contact_within_the_model_once(files, room):
+def test_a_contact_within_a_model_is_reported_once(files, room):
     path = files.write(
         "pair.yaml",
         f"bodies:\n  - {{name: a, footprints: [{DISC}]}}\n"
@@ -137,7 +137,7 @@ def test_the_plugins_of_a_model_get_a_contact_within_the_model_once(files, room)
     assert {pair.body_name(this), pair.body_name(other)} == {"a", "b"}
 
 
-def test_plugins_of_the_world_get_the_contacts_of_later_models_and_walls_too(files, simulate):
+def test_world_plugins_get_contacts_of_models_added_later(files, simulate):
     room = Room(files, simulate, "[{type: WorldListener, name: world}]")
     room.put("early", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0))
     room.run(0.1)
@@ -177,7 +177,7 @@ def test_world_plugins_get_contacts_of_a_wall_added_later(files, simulate):
     assert called_hooks("world").count("begin_contact") == 1
 
 
-def test_a_contact_is_equal_in_all_its_events_and_each_begin_has_an_end(files, simulate):
+def test_a_contact_equals_itself_in_all_events_and_ends(files, simulate):
     room = Room(files, simulate, "[{type: WorldListener, name: world}]")
     for x1, y1, x2, y2 in ((1, 1, -1, 1), (-1, 1, -1, -1), (-1, -1, 1, -1)):
         room.add_wall(x1, y1, x2, y2)
@@ -208,7 +208,7 @@ def test_a_contact_is_equal_in_all_its_events_and_each_begin_has_an_end(files, s
     assert going == {}
 
 
-def test_the_contacts_of_a_sensor_begin_and_end_but_are_not_solved(room):
+def test_sensor_contacts_begin_and_end_but_are_not_solved(room):
     sensor = "{type: circle, radius: 0.1, density: 10, sensor: true}"
     room.put("ghost", (0.7, 0.0, 0.0), (1.0, 0.0, 0.0), "Listener", sensor)
     seen = []

@@ -72,7 +72,7 @@ def test_a_contact_cannot_be_disabled_in_another_hook(room, hook, caplog):
 
 
 @pytest.mark.parametrize(("restitution", "factor"), [(0.0, 1.0), (0.5, 1.5), (1.0, 2.0)])
-def test_the_impulses_of_a_collision_are_equal_to_the_change_of_momentum(room, restitution, factor):
+def test_collision_impulses_equal_the_change_of_momentum(room, restitution, factor):
     impulses = []
     actions["post_solve"] = lambda _, __, impulse: impulses.extend(impulse.normal_impulses)
     disc = f"{{type: circle, radius: {RADIUS}, density: 10, restitution: {restitution}}}"
@@ -100,7 +100,7 @@ def test_two_models_get_the_same_impulse_of_their_collision(room):
     assert impulses["right/p0"] == impulses["left/p0"]
 
 
-def test_the_old_manifold_has_the_points_and_impulses_of_the_previous_step(room):
+def test_the_old_manifold_is_that_of_the_previous_step(room):
     force = 3.0
     solved, old = [], []
     actions["before_physics_step"] = lambda plugin, _: plugin.model.base.physics_body.apply_force(
@@ -120,7 +120,7 @@ def test_the_old_manifold_has_the_points_and_impulses_of_the_previous_step(room)
     assert old[-1].tangent_impulses == pytest.approx([0.0, 0.0], abs=1e-6)
 
 
-def test_friction_that_is_set_before_solving_brakes_a_sliding_body(room):
+def test_friction_set_in_pre_solve_brakes_a_sliding_body(room):
     force, friction = 20.0, 0.5
     mass = 10.0 * 0.4**2
     square = room.put("square", (0.795, -3.0, 0.0), (0.0, 0.0, 0.0), "Listener", SQUARE)
@@ -140,7 +140,7 @@ def test_friction_that_is_set_before_solving_brakes_a_sliding_body(room):
     assert body.velocity[1] == pytest.approx(4.0 - 0.4 * friction * force / mass, rel=0.01)
 
 
-def test_restitution_that_is_set_before_solving_makes_a_body_bounce(room):
+def test_restitution_set_in_pre_solve_makes_a_body_bounce(room):
     def bounce(_, contact, __):
         contact.restitution = 0.75
 
@@ -153,7 +153,7 @@ def test_restitution_that_is_set_before_solving_makes_a_body_bounce(room):
 
 
 @pytest.mark.parametrize("speed", [0.3, -0.3])
-def test_a_wall_with_a_tangent_speed_moves_a_body_that_is_pressed_against_it(room, speed):
+def test_tangent_speed_of_a_wall_moves_a_body_along_it(room, speed):
     directions = []
 
     def convey(plugin, contact, _):
@@ -182,7 +182,7 @@ def test_a_wall_with_a_tangent_speed_moves_a_body_that_is_pressed_against_it(roo
         ("restitution", -0.1),
     ],
 )
-def test_a_contact_refuses_values_that_are_not_finite_or_negative(room, name, value):
+def test_a_contact_refuses_non_finite_and_negative_values(room, name, value):
     refusals = []
 
     def spoil(_, contact, __):

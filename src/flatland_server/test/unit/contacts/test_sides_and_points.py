@@ -7,7 +7,7 @@ import pytest
 from contacts.room import DISC, SQUARE, Room, actions, called_hooks
 
 
-def test_the_sides_of_a_contact_with_a_wall_are_the_layer_and_both_fixtures(room):
+def test_filter_contact_gives_layer_and_both_fixtures(room):
     room.add_wall(-1.0, -5.0, -1.0, 5.0)
     both = f"{{type: circle, radius: 0.05, density: 1, center: [-0.3, 0]}}, {DISC}"
     ball = room.put("ball", (0.5, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener", both)

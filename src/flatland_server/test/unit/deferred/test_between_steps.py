@@ -12,7 +12,7 @@ DELETIONS = ["robot", "post", "bystander"]
 
 
 @pytest.mark.parametrize("victim", DELETIONS)
-def test_a_model_that_is_deleted_in_a_callback_is_deleted_at_once(stage, victim):
+def test_a_callback_deletes_a_model_at_once(stage, victim):
     seen = []
 
     def delete():
@@ -26,7 +26,7 @@ def test_a_model_that_is_deleted_in_a_callback_is_deleted_at_once(stage, victim)
     assert seen == [(False, 1)]
 
 
-def test_a_model_that_is_spawned_or_moved_in_a_callback_is_there_at_once(stage):
+def test_a_callback_spawns_or_moves_a_model_at_once(stage):
     seen = []
 
     def ask():
@@ -54,7 +54,7 @@ def test_no_callback_is_called_after_its_plugin_was_stopped(stage):
     plans.clear()
 
 
-def test_a_plugin_that_fails_after_deleting_its_own_model_is_shut_down_once(stage, caplog):
+def test_a_plugin_failing_after_deleting_itself_ends_once(stage, caplog):
     def delete_and_fail():
         stage.world.delete_model("robot")
         raise RuntimeError("no luck")
@@ -69,7 +69,7 @@ def test_a_plugin_that_fails_after_deleting_its_own_model_is_shut_down_once(stag
 
 
 @pytest.mark.parametrize("victim", ["robot", "bystander"])
-def test_models_may_be_deleted_when_the_contact_with_a_deleted_model_ends(stage, victim):
+def test_end_contact_with_a_deleted_model_may_delete_models(stage, victim):
     plans["robot", "begin_contact"] = lambda: None
     stage.run_until_done()
     plans["robot", "end_contact"] = lambda: stage.world.delete_model(victim)
@@ -99,7 +99,7 @@ def test_models_may_be_spawned_in_end_contact_of_a_deleted_one(stage):
     assert tuple(stage.world.get_model("robot").pose) == pytest.approx(FAR)
 
 
-def test_in_a_row_of_models_each_may_delete_the_next_when_their_contact_ends(stage):
+def test_deletions_in_end_contact_may_chain_through_models(stage):
     for i in range(5):
         stage.spawn(f"m{i}", Pose(-2.0 - 0.19 * i, -2.0, 0.0))
     stage.run()

@@ -38,9 +38,7 @@ def test_locks_nest(deferred, request_action, done):
     assert not deferred.is_locked
 
 
-def test_a_lock_is_released_by_an_exception_and_the_actions_are_kept(
-    deferred, request_action, done
-):
+def test_an_exception_releases_the_lock_and_keeps_the_actions(deferred, request_action, done):
     def interrupted_step() -> None:
         with deferred.lock:
             request_action("a")
@@ -53,9 +51,7 @@ def test_a_lock_is_released_by_an_exception_and_the_actions_are_kept(
     assert done == ["a"]
 
 
-def test_actions_that_are_deferred_by_deferred_actions_run_after_all_others(
-    deferred, request_action, done
-):
+def test_actions_deferred_by_deferred_actions_run_last(deferred, request_action, done):
     def first() -> None:
         with deferred.changing("robot"):
             request_action("third", unless_changing="robot")
@@ -70,9 +66,7 @@ def test_actions_that_are_deferred_by_deferred_actions_run_after_all_others(
     assert done == ["first", "second", "third"]
 
 
-def test_an_exception_of_a_deferred_action_is_raised_and_others_stay(
-    deferred, request_action, done
-):
+def test_a_failing_deferred_action_raises_and_keeps_the_others(deferred, request_action, done):
     def fail() -> None:
         raise ZeroDivisionError
 

@@ -14,7 +14,7 @@ from flatland_server.geometry import Pose
 
 @pytest.mark.parametrize("victim", ["robot", "post", "bystander"])
 @pytest.mark.parametrize("hook", HOOKS)
-def test_a_model_that_is_deleted_in_a_hook_is_deleted_at_the_end_of_the_step(stage, hook, victim):
+def test_a_hook_deletes_a_model_at_the_end_of_the_step(stage, hook, victim):
     body = stage.body(victim)
     still_there = []
 
@@ -33,7 +33,7 @@ def test_a_model_that_is_deleted_in_a_hook_is_deleted_at_the_end_of_the_step(sta
 
 @pytest.mark.parametrize("mover", ["robot", "post", "bystander"])
 @pytest.mark.parametrize("hook", HOOKS)
-def test_a_model_that_is_moved_in_a_hook_is_moved_at_the_end_of_the_step(stage, hook, mover):
+def test_a_hook_moves_a_model_at_the_end_of_the_step(stage, hook, mover):
     body = stage.body(mover)
     before = []
 
@@ -52,7 +52,7 @@ def test_a_model_that_is_moved_in_a_hook_is_moved_at_the_end_of_the_step(stage, 
 
 @pytest.mark.parametrize("changed", ["robot", "post", "bystander"])
 @pytest.mark.parametrize("hook", HOOKS)
-def test_a_footprint_that_is_changed_in_a_hook_is_changed_after_the_step(stage, hook, changed):
+def test_a_hook_changes_a_footprint_at_the_end_of_the_step(stage, hook, changed):
     model = stage.world.get_model(changed)
     before = []
 
@@ -87,7 +87,7 @@ def test_a_hook_that_is_called_by_a_change_may_ask_for_others(stage):
 
 
 @pytest.mark.parametrize("hook", HOOKS)
-def test_a_model_that_is_spawned_in_a_hook_is_spawned_at_the_end_of_the_step(stage, hook):
+def test_a_hook_spawns_a_model_at_the_end_of_the_step(stage, hook):
     seen = []
 
     def spawn():
@@ -173,7 +173,7 @@ def test_impossible_changes_are_refused_in_the_hook_itself(stage, hook):
 
 
 @pytest.mark.parametrize("hook", HOOKS)
-def test_changes_that_fail_only_at_the_end_of_the_step_are_logged(stage, hook, caplog):
+def test_changes_that_fail_at_the_end_of_the_step_are_logged(stage, hook, caplog):
     def ask():
         stage.spawn("newcomer", model="bad.yaml")
         stage.spawn("distant", Pose(1e6, 0.0, 0.0))
@@ -196,7 +196,7 @@ def test_changes_that_fail_only_at_the_end_of_the_step_are_logged(stage, hook, c
     assert +starts - ends == Counter(robot=1, post=1)
 
 
-def test_plugins_of_a_model_spawned_in_a_hook_start_in_the_next_step(stage):
+def test_plugins_of_a_model_spawned_in_a_hook_run_next_step(stage):
     hooks = []
     plans["robot", "before_physics_step"] = lambda: stage.spawn("newcomer")
     for hook in ("before_physics_step", "after_physics_step"):

@@ -8,7 +8,7 @@ from flatland_server.geometry import Pose
 
 
 @pytest.mark.parametrize("victim", ["newcomer", "robot", "bystander"])
-def test_a_model_may_be_deleted_by_a_plugin_that_is_just_being_started(stage, victim):
+def test_a_plugin_may_delete_a_model_while_it_starts(stage, victim):
     plans["newcomer", "on_initialize"] = lambda: stage.world.delete_model(victim)
 
     stage.spawn("newcomer")
@@ -19,7 +19,7 @@ def test_a_model_may_be_deleted_by_a_plugin_that_is_just_being_started(stage, vi
 
 
 @pytest.mark.parametrize("hook", HOOKS)
-def test_a_model_may_delete_itself_when_it_is_spawned_at_the_end_of_a_step(stage, hook):
+def test_a_model_spawned_by_a_hook_may_delete_itself(stage, hook):
     plans["robot", hook] = lambda: stage.spawn("newcomer")
     plans["newcomer", "on_initialize"] = lambda: stage.world.delete_model("newcomer")
 
@@ -28,7 +28,7 @@ def test_a_model_may_delete_itself_when_it_is_spawned_at_the_end_of_a_step(stage
     assert set(stage.world.models) == {"robot", "post", "bystander"}
 
 
-def test_a_model_may_be_moved_and_others_spawned_as_it_is_started(stage):
+def test_a_starting_model_may_be_moved_and_spawn_others(stage):
     def ask():
         stage.world.move_model("newcomer", Pose(0.0, 3.0, 0.0))
         stage.world.move_model("bystander", FAR)
@@ -43,7 +43,7 @@ def test_a_model_may_be_moved_and_others_spawned_as_it_is_started(stage):
     assert poses["bystander"] == poses["second"] == pytest.approx(FAR)
 
 
-def test_a_model_may_delete_itself_and_spawn_another_as_it_is_started(stage):
+def test_a_starting_model_may_delete_itself_and_spawn_another(stage):
     def ask():
         stage.world.delete_model("newcomer")
         stage.spawn("second")
@@ -55,7 +55,7 @@ def test_a_model_may_delete_itself_and_spawn_another_as_it_is_started(stage):
     assert set(stage.world.models) == {"robot", "post", "bystander", "second"}
 
 
-def test_a_model_may_delete_itself_and_spawn_another_as_it_is_stopped(stage):
+def test_a_stopping_model_may_delete_itself_and_spawn_another(stage):
     def ask():
         stage.world.delete_model("robot")
         stage.spawn("second")
@@ -71,7 +71,7 @@ def test_a_model_may_delete_itself_and_spawn_another_as_it_is_stopped(stage):
 
 
 @pytest.mark.parametrize("hook", HOOKS)
-def test_a_model_that_is_stopped_at_the_end_of_a_step_may_spawn_another(stage, hook):
+def test_a_model_deleted_by_a_hook_may_spawn_another(stage, hook):
     plans["robot", hook] = lambda: stage.world.delete_model("robot")
     plans["robot", "on_shutdown"] = lambda: stage.spawn("second")
 
@@ -100,7 +100,7 @@ def test_the_name_of_a_model_is_in_use_until_it_is_deleted(stage):
     assert starts["robot"] == 2
 
 
-def test_models_spawned_by_a_model_that_fails_to_start_are_deleted(stage):
+def test_models_spawned_by_a_failing_model_are_deleted(stage):
     def ask():
         plans["second", "on_initialize"] = lambda: stage.spawn("third")
         stage.spawn("second")

@@ -112,7 +112,7 @@ def handles_of(world) -> dict:
 
 
 @pytest.mark.parametrize("kind", CALLS)
-def test_the_tables_of_this_module_contain_all_attributes_of_the_handles(world, kind):
+def test_the_tables_list_all_attributes_of_the_handles(world, kind):
     public = {name for name in dir(handles_of(world)[kind]) if not name.startswith("_")}
 
     assert public == {*CALLS[kind], *ELSEWHERE.get(kind, ())}
@@ -234,7 +234,7 @@ def test_using_a_kept_body_of_a_deleted_model_raises(world):
         _ = base.pose
 
 
-def test_a_lidar_survives_that_another_thread_removes_its_body_during_a_scan():
+def test_a_body_may_be_removed_by_a_thread_during_a_scan():
     """The scan gives the right ranges or raises; it never reads freed memory."""
     world = _core.World()
     world.add_layer([[3, -9, 3, 9]], 0xFFFF)

@@ -29,7 +29,7 @@ def test_a_contact_cannot_be_used_after_its_hook(world, simulate, is_model_delet
     assert public == {*READS, "set_enabled", "fixture_a", "fixture_b"}
 
 
-def test_a_kept_contact_can_still_be_compared_and_names_its_fixtures(world, simulate):
+def test_a_kept_contact_can_be_compared_and_has_its_fixtures(world, simulate):
     simulate(world).run(0.1)
 
     contacts = [contact for _, contact, *_ in kept]
@@ -50,7 +50,7 @@ def test_impulses_and_manifolds_may_be_kept(world, simulate):
     assert all(len(detail.normal_impulses) in (0, 1) for detail in details)
 
 
-def test_sides_of_a_kept_contact_are_gone_with_a_body(world, simulate):
+def test_sides_of_a_kept_contact_end_with_its_body(world, simulate):
     simulate(world).run(0.1)
     keeper, contact, *_ = kept[0]
     assert keeper.filter_contact(contact).entity is world.layers[0]

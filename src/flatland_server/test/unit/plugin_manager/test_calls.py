@@ -37,7 +37,7 @@ def test_a_hook_that_is_not_overridden_is_never_called(files, monkeypatch):
     assert calls == [("a", "after")]
 
 
-def test_a_plugin_with_an_update_rate_is_called_only_when_it_is_due(files):
+def test_a_plugin_with_an_update_rate_is_called_when_due(files):
     world = world_of(files, "robot: type: Recorder, name: slow, update_rate: 10")
     calls.clear()
 

@@ -42,7 +42,7 @@ def run_a_collision(world) -> None:
 
 
 @pytest.mark.parametrize("hook", sorted(FAILURES))
-def test_a_plugin_that_fails_is_switched_off_and_the_others_go_on(files, caplog, hook):
+def test_a_failing_plugin_is_disabled_and_the_others_go_on(files, caplog, hook):
     plugins = f"type: Toucher, name: bad, fails_in: {hook} | type: Toucher, name: good"
     world = world_of(files, f"robot: {plugins}; other: type: Toucher, name: good")
 
@@ -82,7 +82,7 @@ def test_the_topics_and_frames_of_a_plugin_that_fails_are_closed(files, caplog, 
     assert caplog.records == []
 
 
-def test_a_failure_names_the_hook_even_if_its_function_has_another_name(files, monkeypatch):
+def test_a_failure_names_the_hook_whatever_its_function_is(files, monkeypatch):
     class Fuse:
         def __call__(self, *_):
             raise RuntimeError("no luck")
@@ -135,7 +135,7 @@ def test_a_failure_is_forgotten_when_its_model_is_deleted(files):
     assert hooks_of("robot/bad") == ["before", "after"] * 2
 
 
-def test_a_plugin_that_also_fails_in_on_shutdown_is_shut_down_once(files, caplog):
+def test_a_plugin_that_fails_in_on_shutdown_too_ends_once(files, caplog):
     class Doubly(Recorder):
         def on_shutdown(self):
             super().on_shutdown()

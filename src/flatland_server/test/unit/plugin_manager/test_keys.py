@@ -36,7 +36,7 @@ def test_a_plugin_may_accept_keys_that_it_does_not_read(loader):
     robot(f"type: LenientHorn, {entry}", loader=loader)
 
 
-def test_of_a_key_given_twice_the_last_one_counts_with_a_warning(caplog, loader):
+def test_the_last_of_two_equal_keys_counts_with_a_warning(caplog, loader):
     world = robot("type: Horn, name: horn, volume: 2, volume: 3", loader=loader).world
 
     [horn] = world.plugins_of("robot").values()
@@ -45,7 +45,7 @@ def test_of_a_key_given_twice_the_last_one_counts_with_a_warning(caplog, loader)
     assert 'the key "volume" is given twice; the last one counts' in warning
 
 
-def test_so_it_is_for_the_keys_of_all_plugins(caplog, loader):
+def test_a_key_given_twice_is_warned_of_for_any_plugin(caplog, loader):
     robot("type: Horn, name: horn, name: horn", loader=loader)
 
     assert 'the key "name" is given twice' in caplog.text

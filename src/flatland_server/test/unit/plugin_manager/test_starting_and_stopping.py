@@ -43,7 +43,7 @@ def test_closing_the_world_stops_all_plugins_once(files):
     assert sorted(calls) == [("a/p", "on_shutdown"), ("b/p", "on_shutdown")]
 
 
-def test_the_other_plugins_of_a_model_are_stopped_when_one_does_not_start(files):
+def test_a_plugin_that_does_not_start_stops_its_model(files):
     world = world_of(files, "robot:")
     plugins = "type: Recorder, name: a | type: Recorder, name: b, fails_in: on_initialize"
     path = write_model(files, "other", plugins)
@@ -58,7 +58,7 @@ def test_the_other_plugins_of_a_model_are_stopped_when_one_does_not_start(files)
     ]
 
 
-def test_a_spawn_whose_third_plugin_fails_leaves_nothing_behind(files, caplog):
+def test_a_spawn_that_fails_in_its_third_plugin_leaves_nothing(files, caplog):
     world = world_of(files, "other: type: Recorder, name: p")
     entities, joints = list(world.entities), world.physics.joint_count
     events: List[Any] = []
@@ -105,7 +105,7 @@ def test_a_spawn_whose_third_plugin_fails_leaves_nothing_behind(files, caplog):
         ),
     ],
 )
-def test_the_error_for_a_plugin_that_does_not_start_names_its_line(files, plugin, message):
+def test_the_error_for_a_plugin_that_fails_to_start_has_its_line(files, plugin, message):
     write_model(files, "robot", plugin)
 
     refusal = files.refusal(

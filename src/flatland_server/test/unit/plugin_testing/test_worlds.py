@@ -38,7 +38,7 @@ def test_a_robot_sees_walls_and_other_models(wall):
     assert together.run().last("/scan").ranges == pytest.approx([1.5])
 
 
-def test_what_is_recorded_is_new():
+def test_record_returns_only_new_messages():
     simulation = robot(f"{LASER}, update_rate: 40").run(0.5)
 
     scans = simulation.record("/scan", 0.5)
@@ -71,7 +71,7 @@ def test_a_refusal_is_the_message_without_the_folder():
     )
 
 
-def test_what_is_not_refused_is_an_assertion_error():
+def test_refusal_fails_if_nothing_is_refused():
     with pytest.raises(AssertionError, match="expected a FlatlandError, but the world was loaded"):
         refusal(DRIVE)
 

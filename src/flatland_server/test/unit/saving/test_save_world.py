@@ -107,7 +107,7 @@ def test_an_edit_that_is_undone_is_no_change(server):
     assert server.edits.count == 0
 
 
-def test_what_a_robot_does_is_no_edit(server):
+def test_motion_of_a_robot_is_no_edit(server):
     server.world.models["a"].move(Pose(1.0, 1.0, 0.0))
     server.world.spawn_model("box.yaml", "of_a_plugin", "", Pose())
 
@@ -186,7 +186,7 @@ def test_an_edit_in_the_file_since_it_was_read_is_kept(server):
         ),
     ],
 )
-def test_what_cannot_be_changed_alone_is_left_as_it_is(files, models, error):
+def test_models_that_cannot_be_changed_alone_are_not_saved(files, models, error):
     files.write("more.yaml", "[{name: e, model: box.yaml}]\n")
     files.write("each.yaml", "{name: e, model: box.yaml}\n")
     server = Server(files, f"properties: {{}}\nlayers: []\n{models}\n")
@@ -256,7 +256,7 @@ def test_a_client_writes_worlds_alone(server, files, tmp_path):
         "properties: {}\nlayers: [\n",
     ],
 )
-def test_what_does_not_load_as_a_world_is_not_replaced(server, tmp_path, text):
+def test_a_file_that_is_no_world_is_not_replaced(server, tmp_path, text):
     foreign = tmp_path / "foreign.yaml"
     foreign.write_text(text)
     server.move("c", 5.0, 6.0)
@@ -319,7 +319,7 @@ def test_a_full_disk_leaves_the_former_file(server, monkeypatch):
     assert server.edits.count == 1
 
 
-def test_a_saved_model_that_a_loaded_state_lacks_is_spawned_and_saved_once(server, tmp_path):
+def test_a_saved_model_lacking_in_a_state_can_be_spawned_again(server, tmp_path):
     state = str(tmp_path / "state")
     server.call("save_state", path=state)
     server.spawn("x", 1.0, 2.0)
@@ -337,7 +337,7 @@ def test_a_saved_model_that_a_loaded_state_lacks_is_spawned_and_saved_once(serve
     assert list(server.poses()) == ["a", "b", "c", "x"]
 
 
-def test_what_clients_have_changed_is_saved_with_a_state_and_sought(server, tmp_path):
+def test_states_and_history_include_the_edits_of_clients(server, tmp_path):
     state = str(tmp_path / "state")
     server.manager.keep_history(interval=0.01)
     server.move("a", 1.0, 1.0)
@@ -381,7 +381,7 @@ def test_a_state_is_not_loaded_into_a_model_of_another_namespace(server, tmp_pat
         ("# The end.\nother: 1", r'world.yaml:\d+: .*unknown key "other"'),
     ],
 )
-def test_models_that_were_changed_in_the_file_meanwhile_are_not_lost(server, change, error):
+def test_saving_does_not_lose_models_changed_in_the_file(server, change, error):
     server.spawn("x", 1.0, 2.0)
     text = WORLD.replace("# The end.", change)
     server.path.write_text(text)
@@ -393,7 +393,7 @@ def test_models_that_were_changed_in_the_file_meanwhile_are_not_lost(server, cha
     assert server.edits.count == 1
 
 
-def test_a_pose_that_was_changed_in_the_file_meanwhile_is_the_clients(server):
+def test_a_clients_pose_wins_over_a_pose_changed_in_the_file(server):
     server.path.write_text(WORLD.replace("[5, 5, 0]", "[7, 5, 1]"))
     server.move("c", 5.0, 6.0)
 
@@ -402,7 +402,7 @@ def test_a_pose_that_was_changed_in_the_file_meanwhile_is_the_clients(server):
     assert server.text == WORLD.replace("[5, 5, 0]", "[5.0, 6.0, 0.0]")
 
 
-def test_a_model_whose_file_is_gone_is_not_saved(server, files):
+def test_a_model_without_its_file_is_not_saved(server, files):
     path = files.write("gone.yaml", BOX)
     server.spawn("x", 1.0, 2.0, path=str(path))
     path.unlink()
@@ -413,7 +413,7 @@ def test_a_model_whose_file_is_gone_is_not_saved(server, files):
     assert server.text == WORLD
 
 
-def test_models_within_the_world_file_are_saved_in_copies_of_copies(files, tmp_path):
+def test_inline_models_are_saved_in_copies_of_copies(files, tmp_path):
     text = f"properties: {{}}\nlayers: []\nmodels:\n- {{name: a, model: {{{BOX.strip()}}}}}\n"
     server = Server(files, text)
     for number in range(3):
@@ -527,7 +527,7 @@ class RandomUser:
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_a_saved_file_has_the_worlds_models_whatever_was_done_before(files, tmp_path, seed):
+def test_a_saved_file_has_the_models_after_random_edits(files, tmp_path, seed):
     (files.folder / "more").mkdir()
     files.write("more/box.yaml", BOX)
     server = Server(files, WORLD)

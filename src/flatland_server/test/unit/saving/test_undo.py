@@ -27,7 +27,7 @@ def revert(server, service):
     return server.call(service)["message"]
 
 
-def test_moves_spawns_and_deletions_are_undone_and_redone_in_their_order(server):
+def test_moves_spawns_and_deletions_are_undone_and_redone(server):
     poses = [server.poses()]
     for edit in (
         lambda: server.move("a", 0.0, 1.0, 0.5),
@@ -91,7 +91,7 @@ def test_a_model_comes_back_with_its_namespace_to_where_it_was(server):
     assert [entry.pose for entry in server.edits.changes.added] == [Pose(1.0, 1.0, 0.0)]
 
 
-def test_a_drag_is_one_edit_and_none_if_it_ends_where_it_began(server):
+def test_a_drag_is_one_edit_unless_it_ends_at_its_start(server):
     drag = None
     for x in (2.125, 2.25, 2.5):
         drag = server.edits.move("a", Pose(x, 2.5, 0.0), drag)

@@ -38,7 +38,7 @@ from flatland_server.simulation.world_config import ModelEntry
         ),
     ],
 )
-def test_a_model_that_cannot_be_spawned_leaves_the_world_unchanged(models, model, options, message):
+def test_a_failed_spawn_leaves_the_world_unchanged(models, model, options, message):
     world = models.load(EMPTY)
     spawn(models, world, "good.yaml", "here")
     before = state(world)
@@ -75,7 +75,7 @@ def test_a_spawned_model_has_the_requested_pose(models):
     assert world.get_model("robot") is robot
 
 
-def test_the_bodies_topics_and_frames_of_a_deleted_model_are_removed(models, simulate, caplog):
+def test_deleting_a_model_removes_its_bodies_topics_and_frames(models, simulate, caplog):
     world = models.load(EMPTY)
     spawn(models, world, "good.yaml", "stays", namespace="other")
     before = state(world)
@@ -179,7 +179,7 @@ def test_the_body_of_a_footprint_that_box2d_refuses_is_removed(models):
     assert state(world) == before
 
 
-def test_bodies_that_were_made_before_an_unexpected_error_are_removed(models):
+def test_an_unexpected_error_removes_the_bodies_made_so_far(models):
     world = models.load(EMPTY)
     good = ModelConfig.from_file(models.folder / "good.yaml", world.registry)
     name = good.bodies[0].name

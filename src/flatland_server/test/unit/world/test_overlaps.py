@@ -42,7 +42,7 @@ def test_a_free_place_is_no_warning(files, world, caplog):
     assert warnings(caplog) == []
 
 
-def test_a_model_within_a_wall_and_another_model_is_there_with_a_warning(files, world, caplog):
+def test_a_model_spawned_in_an_overlap_causes_one_warning(files, world, caplog):
     first = spawn(files, world, "box.yaml", "first", pose=Pose(0.1, 0, 0))
     second = spawn(files, world, "box.yaml", "second", pose=Pose(-0.5, 0.5, 0))
 
@@ -55,7 +55,7 @@ def test_a_model_within_a_wall_and_another_model_is_there_with_a_warning(files, 
 
 
 @pytest.mark.parametrize("kind", ["sensor", "ghost", "other_layer", "static"])
-def test_what_is_not_pushed_out_is_no_warning(files, world, caplog, kind):
+def test_overlaps_that_are_not_pushed_out_cause_no_warning(files, world, caplog, kind):
     spawn(files, world, f"{kind}.yaml", "box", pose=Pose(-0.5, 0, 0))
 
     assert warnings(caplog) == []

@@ -31,7 +31,7 @@ def load(models, transport, simulate):
     return load
 
 
-def test_a_reset_world_has_the_models_walls_and_poses_of_its_files(models, load):
+def test_a_reset_restores_models_walls_and_poses_of_the_files(models, load):
     simulation = load()
     world = simulation.world
     before = state(world), [model.pose for model in world.models.values()]
@@ -156,7 +156,7 @@ def test_a_hook_may_reset_the_world_at_the_end_of_the_step(load, monkeypatch, ca
 
 
 @pytest.mark.parametrize("name", ["on_initialize", "on_shutdown"])
-def test_the_world_is_not_reset_while_plugins_are_started_or_stopped(load, monkeypatch, name):
+def test_a_reset_is_refused_while_plugins_start_or_stop(load, monkeypatch, name):
     refusals = []
     original = getattr(Herald, name)
 
@@ -189,7 +189,7 @@ def test_an_edited_file_is_loaded_in_place_of_the_former_one(models, load, trans
     simulation.run()
 
 
-def test_a_wrong_file_is_refused_with_its_line_and_the_world_goes_on(models, load):
+def test_a_reload_of_a_wrong_file_is_refused_with_its_line(models, load):
     simulation = load().run(0.1)
     world = simulation.world
     before = state(world)
@@ -288,7 +288,7 @@ def collide(models, simulate):
     return run
 
 
-def test_runs_after_any_number_of_resets_are_those_of_a_new_world(collide):
+def test_runs_after_resets_equal_those_of_a_new_world(collide):
     _, of_a_new_world = collide()
     simulation, _ = collide()
     for index in range(5):

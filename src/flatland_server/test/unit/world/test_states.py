@@ -149,7 +149,7 @@ def test_models_and_walls_are_those_of_the_state(models, load):
     assert second.save_state() == state
 
 
-def test_a_state_is_data(load):
+def test_a_saved_state_is_json(load):
     state = load().run(0.1).save_state()
 
     content = json.loads(state)
@@ -180,7 +180,7 @@ def damaged(state, change):
         (lambda c: c["wall_counts"].update(map=3), 'the layer "map" has 3 walls there, no here'),
     ],
 )
-def test_a_state_that_does_not_fit_is_refused_and_the_world_goes_on(load, change, message):
+def test_a_state_that_does_not_fit_is_refused_without_effect(load, change, message):
     simulation = load().run(0.1)
     state = simulation.save_state()
     before = simulation.world.models["a"]
@@ -195,7 +195,7 @@ def test_a_state_that_does_not_fit_is_refused_and_the_world_goes_on(load, change
 
 
 @pytest.mark.parametrize("data", [b"", b"{}", b"[1, 2]", b"\xff\x00", b"not json", b'{"a":' * 9])
-def test_what_is_no_state_is_refused(load, data):
+def test_bytes_that_are_no_state_are_refused(load, data):
     with pytest.raises(StateError, match="expected the state of a world, found something else"):
         load().load_state(data)
 
@@ -225,7 +225,7 @@ def test_a_model_that_a_program_has_made_cannot_be_saved(load):
         simulation.save_state()
 
 
-def test_a_plugin_whose_state_is_no_data_is_named(load, monkeypatch):
+def test_a_plugin_with_a_state_that_is_no_data_is_named(load, monkeypatch):
     simulation = load().run(0.1)
     monkeypatch.setattr(Counter, "get_state", lambda self: {"me": [self]})
 
@@ -272,7 +272,7 @@ def test_tuples_come_back_as_lists():
 @pytest.mark.parametrize(
     "data", [{1, 2}, object(), [print], np.array([object()]), {"a": {(1,): 1}}]
 )
-def test_what_is_not_plain_is_refused(data):
+def test_data_that_is_not_plain_is_refused(data):
     with pytest.raises(TypeError, match=r"^data.*: expected (numbers, strings|keys)"):
         plain_data.dumps(data)
 

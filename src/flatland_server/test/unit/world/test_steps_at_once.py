@@ -139,7 +139,7 @@ ANNOUNCER = "type: Announcer, name: announcer, rate: 30"
     [(), (WITNESS,), (TIMED, ANNOUNCER), (WITNESS, TIMED, ANNOUNCER)],
     ids=["none", "contacts", "timers", "all"],
 )
-def test_they_are_as_many_single_steps(files, plugins, seed):
+def test_steps_at_once_equal_single_steps(files, plugins, seed):
     single, many = (make_run(files, *plugins, seed=seed) for _ in range(2))
     rng = random.Random(seed)
     steps = 0
@@ -161,7 +161,7 @@ def test_without_plugins_there_are_few_calls(files):
     assert make_run(files).make(1000, at_once=True).calls == 10
 
 
-def test_a_plugin_without_work_divides_no_steps_until_it_has_a_subscriber(files):
+def test_a_plugin_without_work_does_not_split_steps_at_once(files):
     run = make_run(files, ANNOUNCER).make(1, at_once=True)
     run.make(100, at_once=True)
     assert run.calls == 2
@@ -174,14 +174,14 @@ def test_a_plugin_without_work_divides_no_steps_until_it_has_a_subscriber(files)
     assert steps == [math.ceil(i * 200 / 30) for i in range(31) if i * 200 / 30 > 100]
 
 
-def test_a_transport_that_does_not_know_its_subscribers_gets_single_steps(files):
+def test_a_transport_with_unknown_subscribers_gets_single_steps(files):
     class Unsure(LocalTransport):
         subscriber_revision = Transport.subscriber_revision
 
     assert make_run(files, ANNOUNCER, transport=Unsure()).make(50, at_once=True).calls == 50
 
 
-def test_steps_are_made_at_once_unless_each_is_followed_by_a_callback(files):
+def test_after_step_callbacks_split_steps_made_at_once(files):
     run = make_run(files)
     flushes: List[int] = []
     run.transport.flush = lambda: flushes.append(run.timekeeper.nanoseconds)

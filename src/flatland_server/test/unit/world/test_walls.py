@@ -42,7 +42,7 @@ def test_the_error_for_an_unknown_layer_lists_all_layers(models, text, name, mes
         assert str(caught.value) == message
 
 
-def test_added_walls_are_scanned_and_collided_with_only_in_their_layer(models, simulate):
+def test_added_walls_act_in_their_layer_only(models, simulate):
     world = models.load(TWO_LAYERS)
     models.write("glider.yaml", BODIES.replace("density: 1", "density: 1, layers: [glass]"))
     robot = spawn(models, world, "plain.yaml", "robot", pose=Pose(1.0, 0.5, 0.0))

@@ -6,7 +6,7 @@ from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.geometry import Pose
 
 
-def test_all_problems_are_reported_together_in_the_order_of_reading(tmp_path):
+def test_all_problems_are_reported_in_the_order_of_reading(tmp_path):
     text = """\
 properties: {gravity: heavy}
 name: [a]
@@ -44,7 +44,7 @@ weight: 1
     ]
 
 
-def test_a_wrong_choice_is_raised_at_once_with_all_problems_before_it(tmp_path):
+def test_a_wrong_choice_raises_at_once_with_earlier_problems(tmp_path):
     def read_both(reader: YamlReader) -> None:
         reader.get_string("name")
         reader.get_choice("type", SHAPES)
@@ -55,7 +55,7 @@ def test_a_wrong_choice_is_raised_at_once_with_all_problems_before_it(tmp_path):
     ]
 
 
-def test_keys_that_were_asked_for_are_known_though_they_are_not_given(tmp_path):
+def test_optional_keys_that_are_not_given_are_known(tmp_path):
     reader = read(tmp_path, "a: 1\nb:\n  - c: 2")
     reader.get_int("a")
     reader.get_string("other", "")

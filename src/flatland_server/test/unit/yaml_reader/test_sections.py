@@ -23,9 +23,7 @@ def read_name(entry: YamlReader) -> str:
         pytest.param("shape: {[a]: 1}", '1: shape: expected a key, found ["a"]', id="a wrong key"),
     ],
 )
-def test_of_a_wrong_section_only_that_is_said_and_not_what_is_missing_in_it(
-    tmp_path, text, message
-):
+def test_a_wrong_section_has_no_further_problems(tmp_path, text, message):
     def read_section(reader: YamlReader) -> None:
         section = reader.get_section("shape", required=True)
         section.get_float("radius")
@@ -73,7 +71,7 @@ def test_an_entry_knows_only_its_own_problems(tmp_path):
     assert not reader.is_sound
 
 
-def test_a_problem_of_an_entry_that_is_never_finished_is_still_said(tmp_path):
+def test_problems_of_an_unfinished_entry_are_reported(tmp_path):
     text = "bodies:\n  - {name: base, name: wheel}"
 
     message = refusal(tmp_path, text, lambda reader: reader.get_sections("bodies", nothing))
@@ -81,7 +79,7 @@ def test_a_problem_of_an_entry_that_is_never_finished_is_still_said(tmp_path):
     assert message == 'file.yaml:2: bodies[0]: the key "name" is given twice'
 
 
-def test_what_an_entry_noted_is_said_with_the_error_that_it_raises(tmp_path):
+def test_an_error_of_an_entry_includes_its_earlier_problems(tmp_path):
     def read_entry(entry: YamlReader) -> None:
         entry.get_string("name")
         raise entry.error("expected two wheels")
@@ -109,7 +107,7 @@ def test_an_entry_that_is_kept_can_be_read_later(tmp_path):
 # Entries that can be switched off
 
 
-def test_an_entry_that_is_not_enabled_is_left_out_whatever_is_in_it(tmp_path):
+def test_a_disabled_entry_is_skipped_whatever_it_contains(tmp_path):
     text = "bodies:\n  - {enabled: false, name: [a], name: [b], mass: heavy}\n  - {name: base}"
     reader = read(tmp_path, text)
 
@@ -119,7 +117,7 @@ def test_an_entry_that_is_not_enabled_is_left_out_whatever_is_in_it(tmp_path):
     assert names == ["base"]
 
 
-def test_the_name_of_an_entry_that_is_not_enabled_may_be_used_again(tmp_path):
+def test_the_name_of_a_disabled_entry_may_be_used_again(tmp_path):
     text = "bodies:\n  - {name: base, enabled: no}\n  - {name: base, enabled: yes}"
 
     assert read(tmp_path, text).get_enabled_sections("bodies", read_name) == ["base"]

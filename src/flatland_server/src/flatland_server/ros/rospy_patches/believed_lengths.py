@@ -1,9 +1,10 @@
 """Messages with arrays of empty items: their length is checked before anything is made.
 
-rospy reads messages by the code that genpy has made for their types. An array whose items have
-numbers or texts ends with an error when the data end. Items without, as in `std_msgs/Empty[]` or of
-a type with nothing but `uint8[16]`, are made as often as the length says: four bytes take gigabytes
-and minutes. Types with such arrays are read by our own code here; all others as ever.
+rospy reads messages by the code that genpy has made for their types. If the items of an
+array have numbers or texts, a false length ends with an error when the data end. Items without, as
+in `std_msgs/Empty[]` or of a type with nothing but `uint8[16]`, are made as often as the length
+says: four bytes take gigabytes and minutes. Types with such arrays are read by our own code here;
+all others by rospy.
 """
 
 from functools import lru_cache, partial

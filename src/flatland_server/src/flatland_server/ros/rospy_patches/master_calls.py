@@ -55,11 +55,7 @@ class _LimitedTransport(xmlrpc.client.Transport):
 
 
 class Master:
-    """The calls to the master, all over one connection. Not for several threads.
-
-    Args:
-        uri: its URI.
-    """
+    """The calls to the master, all over one connection. Not for several threads."""
 
     def __init__(self, uri: str) -> None:
         self.uri = uri

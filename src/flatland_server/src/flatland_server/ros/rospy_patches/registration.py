@@ -117,8 +117,8 @@ class Registrar(RegistrationListener):  # type: ignore[misc]
 
     Args:
         manager: rospy's RegManager, which connects subscriptions to publishers.
-        master: makes the calls.
-        is_ending: whether the node shuts down.
+        master: calls to the ROS master.
+        is_ending: true while the node shuts down.
     """
 
     def __init__(

@@ -95,11 +95,7 @@ def refusing_removed_topics(handle: TopicHandler) -> TopicHandler:
 
 
 class _PatientSocket:
-    """A listening socket that waits while there are no file descriptors for a connection.
-
-    Args:
-        listening: the socket.
-    """
+    """A listening socket that waits while there are no file descriptors for a connection."""
 
     def __init__(self, listening: socket.socket) -> None:
         self._listening = listening
@@ -126,10 +122,6 @@ class _Handshake:
 
     Attributes:
         deadline: when it is given up, by `time.monotonic()`.
-
-    Args:
-        connection: its socket.
-        address: the peer's address.
     """
 
     def __init__(self, connection: socket.socket, address: Any) -> None:

@@ -186,9 +186,9 @@ inline b2Vec2& Force(b2Body& body) { return body.*Member(BodyForce()); }
 inline float& Torque(b2Body& body) { return body.*Member(BodyTorque()); }
 inline float& SleepTime(b2Body& body) { return body.*Member(BodySleepTime()); }
 inline b2Sweep& Sweep(b2Body& body) { return body.*Member(BodySweep()); }
-/// Position of its origin. The one computed from the centre of mass may be rounded otherwise.
+/// The pose of a body's origin. Computing it from the centre of mass may round differently.
 inline b2Transform& Transform(b2Body& body) { return body.*Member(BodyTransform()); }
-/// The head of a body's list of fixtures, in whose order Box2D moves them.
+/// The head of a body's list of fixtures. Box2D moves them in its order.
 inline b2Fixture*& Fixtures(b2Body& body) { return body.*Member(BodyFixtures()); }
 /// The head of a body's list of contacts.
 inline b2ContactEdge*& ContactList(b2Body& body) { return body.*Member(BodyContacts()); }
