@@ -127,7 +127,8 @@ class Ros2Node:
             self._thread.join()
             self._ready.put(None)
             self._sender.join()
-        for each in self._entities():
+        entities: List[Union[Input, Output]] = [*self._inputs.values(), *self._outputs.values()]
+        for each in entities:
             each.close()
         self.node.destroy_node()
         self._context.try_shutdown()
@@ -173,20 +174,6 @@ class Ros2Node:
             else:
                 logger.info("%s [%s] is not a topic of ROS 2: %s", key.topic, key.kind, error)
 
-    def _entities(self) -> List[Union[Input, Output]]:
-        return [*self._inputs.values(), *self._outputs.values()]
-
-    def _send(self) -> None:
-        for key in iter(self._ready.get, None):
-            with self._lock:
-                try:
-                    if key in self._outputs:
-                        self._outputs[key].send()
-                except Exception:  # of a message that has other fields than its type, for one
-                    self._refused.add(key)
-                    self._outputs.pop(key).close()
-                    logger.exception("%s is no longer a topic of ROS 2", key.topic)
-
     def _tell_missing(self) -> None:
         """Logs which packages of types are missing, in one line each."""
         for package, names in sorted(self._missing.items()):
@@ -209,6 +196,20 @@ class Ros2Node:
                 "services may reach either; end one, or set ROS_DOMAIN_ID",
                 *(self.node.get_fully_qualified_name(), self.domain),
             )
+
+    # On a thread of its own
+
+    def _send(self) -> None:
+        """Sends messages, until the node is closed."""
+        for key in iter(self._ready.get, None):
+            with self._lock:
+                try:
+                    if key in self._outputs:
+                        self._outputs[key].send()
+                except Exception:  # of a message that has other fields than its type, for one
+                    self._refused.add(key)
+                    self._outputs.pop(key).close()
+                    logger.exception("%s is no longer a topic of ROS 2", key.topic)
 
 
 def distribution() -> str:
