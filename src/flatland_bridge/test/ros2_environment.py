@@ -128,9 +128,12 @@ class Ros2Environment:
             shutil.copytree(each, self._messages / each.relative_to(ROOT))
         package_xml = (MESSAGES / "package.xml").read_text()
         for package, files in PACKAGES.items():
-            cmake_lists = CMAKE_LISTS.format(package=package, files=" ".join(files))
-            own_xml = package_xml.replace(MESSAGES.name, package)
-            for name, text in {**files, "package.xml": own_xml, "CMakeLists.txt": cmake_lists}.items():
+            written = {
+                **files,
+                "CMakeLists.txt": CMAKE_LISTS.format(package=package, files=" ".join(files)),
+                "package.xml": package_xml.replace(MESSAGES.name, package),
+            }
+            for name, text in written.items():
                 file = self._messages / "ros2" / package / name
                 file.parent.mkdir(parents=True, exist_ok=True)
                 file.write_text(text)
