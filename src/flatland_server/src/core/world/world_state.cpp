@@ -117,6 +117,7 @@ void RestoreJoint(b2Joint& joint, const JointState& state) {
 /// All fixtures, in an order that is the same in a world that is equal.
 std::vector<b2Fixture*> FixturesOf(const Bodies& bodies, const Layers& layers) {
   std::vector<b2Fixture*> fixtures;
+  fixtures.reserve(bodies.size());
   bodies.ForEach([&](auto, const BodyRecord& record) {
     for (const BodyRecord::FixtureRecord& each : record.fixtures) fixtures.push_back(each.fixture);
   });
@@ -461,6 +462,7 @@ void WorldState::Restore(World& world) const {
   b2World& box2d_world = *world.world_;
   EndContacts(box2d_world);
   std::vector<BodyRecord*> records;
+  records.reserve(bodies.size());
   world.bodies_.ForEach([&](World::Body handle, BodyRecord& record) {
     const BodyState& state = bodies[records.size()];
     records.push_back(&record);
