@@ -97,11 +97,11 @@ const std::vector<uint32_t>* VisibleWalls::From(Vec2 point) const {
 
 /// Called by only one thread for a cell.
 const std::vector<uint32_t>* VisibleWalls::Find(Cell& cell, const Box& box) const {
-  std::vector<uint32_t> walls = WallsSeenFrom(all_, *corners_, box);
-  walls.shrink_to_fit();
-  const bool pays = walls.size() <= all_.segment_count() / 2;
-  if (!pays || found_.fetch_add(walls.size()) + walls.size() > kMaxFound) return nullptr;
-  const auto* const found = new std::vector<uint32_t>(std::move(walls));
+  std::optional<std::vector<uint32_t>> walls = WallsSeenFrom(all_, *corners_, box);
+  if (!walls || walls->size() > all_.segment_count() / 2) return nullptr;  // the tree is as fast
+  walls->shrink_to_fit();
+  if (found_.fetch_add(walls->size()) + walls->size() > kMaxFound) return nullptr;
+  const auto* const found = new std::vector<uint32_t>(*std::move(walls));
   cell.walls.store(found, std::memory_order_release);
   return found;
 }

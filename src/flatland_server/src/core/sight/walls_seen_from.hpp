@@ -3,6 +3,7 @@
 /// For visible_walls.cpp: finds the walls that can be seen from any point of a box.
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "base/geometry.hpp"
@@ -29,8 +30,9 @@ class Corners {
   std::vector<uint32_t> next_;
 };
 
-/// Indices of walls that include all those that can be seen from a point of a box.
-std::vector<uint32_t> WallsSeenFrom(const SegmentTree& walls, const Corners& corners,
-                                    const Box& box);
+/// Indices of walls that include all those that can be seen from a point of a box; none if finding
+/// them would take long.
+std::optional<std::vector<uint32_t>> WallsSeenFrom(const SegmentTree& walls, const Corners& corners,
+                                                   const Box& box);
 
 }  // namespace flatland
