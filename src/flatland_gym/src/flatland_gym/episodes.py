@@ -6,7 +6,7 @@ robot fits through; one that finds no place takes no part in the episode.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import groupby
 from operator import attrgetter
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
@@ -14,16 +14,20 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tup
 import numpy as np
 
 from flatland2d import Point, Pose, UsageError
+from flatland2d.batch.variation import ranges_of
 from flatland2d.free_space import Circle, Circles
 from flatland_gym.maps import Maps
 from flatland_gym.navigation_world import NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings, is_whole
 from flatland_server import Segments, from_segments
+from flatland_server.exceptions import listed, suggestion
 
 _TRIES = 500
 _TRIES_OF_MODELS = 60
 
-_DRAWN = ("world", "goal_distance", "margin", "obstacles", "robot_scales")
+_DRAWN = ("world", "goal_distance", "margin", "obstacles", "robot_scales", "vary")
+_ARRAYS = {"start": 2, "goal": 2, "vary": 1}
+"""The options that may be arrays with a row for each environment, and the rank of these."""
 OPTIONS = ("start", "goal", *_DRAWN, "map")
 """The keys of `reset(options=...)`."""
 
@@ -39,6 +43,7 @@ class Episode:
         goals: x, y [m] in the world, for each robot.
         places: poses of other models, by name.
         map: its number; None without maps.
+        vary: the numbers of model files that differ between episodes, by name.
     """
 
     world: int
@@ -47,6 +52,7 @@ class Episode:
     goals: Tuple[Point, ...]
     places: Mapping[str, Pose]
     map: Optional[int] = None
+    vary: Mapping[str, float] = field(default_factory=dict)
 
     def is_near(self, walls: Segments, distance: float) -> bool:
         """True if a start or a goal is nearer than this [m] to one of some walls."""
@@ -81,6 +87,7 @@ class EpisodeSampler:
         worlds: worlds that episodes choose from.
         settings: settings of the environment.
         maps: the maps of `settings`; None without any.
+        count: number of environments, n.
     """
 
     def __init__(
@@ -88,32 +95,42 @@ class EpisodeSampler:
         worlds: Sequence[NavigationWorld],
         settings: NavigationSettings,
         maps: Optional[Maps],
+        count: int,
     ) -> None:
+        self._count = count
         self._maps = maps
         self._worlds = worlds
         self._settings = settings
         self._usual: Dict[int, List[_Ends]] = {}  # that the worlds themselves give
 
-    def choice(self, options: Mapping[str, Any]) -> Choice:
-        """The choice that options leave.
+    def choices(self, options: Mapping[str, Any]) -> List[Choice]:
+        """The choice that options leave to each environment; a single one if it is that of all.
 
         Args:
             options: `start` ([x, y] or [x, y, yaw]) and `goal` ([x, y]), which are otherwise drawn,
                 or with several robots dicts of these by the robot's name, for all or some of them;
                 `map`, the number of a map, or several to draw one from; and `world`,
-                `goal_distance`, `margin`, `obstacles` and `robot_scales`, in place of the
+                `goal_distance`, `margin`, `obstacles`, `robot_scales` and `vary`, in place of the
                 environment's arguments, within what these have made: some of the worlds and
-                sizes, and at most this margin and as many obstacles.
+                sizes, at most this margin and as many obstacles, and numbers within these ranges.
+                A start or a goal for each environment has the shape (n, 2) or (n, 3), a number of
+                `vary` is an array (n,).
 
         Raises:
             UsageError: an option is unknown or wrong.
         """
+        parts = _by_environment(options, self._count)
+        return [self._choice(each) for each in parts]
+
+    def _choice(self, options: Mapping[str, Any]) -> Choice:
         settings = self._settings
         for name in options:
             if name not in OPTIONS:
                 raise UsageError(f"unknown option {name!r}; there are: {', '.join(OPTIONS)}")
         given = {name: options[name] for name in _DRAWN if options.get(name) is not None}
         if given:
+            if "vary" in given:
+                given["vary"] = self._ranges(given["vary"])
             settings = replace(settings, **given)
             most = self._settings.obstacle_counts[1]
             if settings.obstacle_counts[1] > most:
@@ -183,7 +200,26 @@ class EpisodeSampler:
             near_starts.append((start.x, start.y, world.radius))
             near_goals.append((*goal, world.radius))
         places = self._places(world, choice.settings, near_starts + near_goals, rng)
-        return Episode(index, seed, tuple(starts), tuple(goals), places, chosen_map)
+        vary = {name: rng.uniform(*range) for name, range in choice.settings.vary.items()}
+        return Episode(index, seed, tuple(starts), tuple(goals), places, chosen_map, vary)
+
+    def _ranges(self, given: Any) -> Dict[str, Tuple[float, float]]:
+        """The ranges of the option `vary`, and those of other numbers as they are."""
+        own = self._settings.vary
+        pairs = {k: (v, v) if np.ndim(v) == 0 else v for k, v in _mapping("vary", given).items()}
+        for name, (low, high) in ranges_of(pairs).items():
+            if name not in own:
+                raise UsageError(
+                    f'expected the option vary with names of the argument, found "{name}"'
+                    f"{suggestion(name, own)}; there are: {listed(list(own))}"
+                )
+            least, greatest = own[name]
+            if low < least or high > greatest:
+                raise UsageError(
+                    f'expected the option vary["{name}"] within {least:g} to {greatest:g}, as in '
+                    f"the environment's arguments, found {low:g} to {high:g}"
+                )
+        return {**own, **ranges_of(pairs)}
 
     def _map_numbers(self, given: Any) -> Sequence[int]:
         """The numbers of the maps that the option `map` leaves."""
@@ -262,6 +298,8 @@ class EpisodeSampler:
         low, high = settings.obstacle_counts
         count = len(world.scattered) + (int(rng.integers(low, high + 1)) if high else 0)
         discs = (*world.scattered, *world.obstacles)
+        if not discs:
+            return {}
         places = {disc.name: parking_place(number) for number, disc in enumerate(discs)}
         for radius, group in groupby(discs[:count], attrgetter("radius")):
             names = [disc.name for disc in group]
@@ -287,6 +325,48 @@ def options_of(options: Any) -> Dict[str, Any]:
     if not (options is None or isinstance(options, Mapping)):
         raise UsageError(f"expected options as a dict, found {options!r:.80}")
     return dict(options or {})
+
+
+def _mapping(name: str, value: Any) -> Mapping[str, Any]:
+    if not isinstance(value, Mapping):
+        raise UsageError(f"expected the option {name} as a dict by name, found {value!r:.80}")
+    return value
+
+
+def _by_environment(options: Mapping[str, Any], count: int) -> List[Dict[str, Any]]:
+    """The options of each environment if an array has a row for each; else those of all."""
+    lengths = {}
+
+    def look(name: str, value: Any, rank: int) -> None:
+        if isinstance(value, Mapping):
+            for key, each in value.items():
+                look(f"{name} of {key}", each, rank)
+        elif _is_array(value, rank):
+            lengths[name] = len(value)
+
+    def row(value: Any, rank: int, k: int) -> Any:
+        if isinstance(value, Mapping):
+            return {key: row(each, rank, k) for key, each in value.items()}
+        return value[k] if _is_array(value, rank) else value
+
+    for name, rank in _ARRAYS.items():
+        look(name, options.get(name), rank)
+    for name, length in lengths.items():
+        if length != count:
+            raise UsageError(
+                f"expected the option {name} for {count} environments, found {length} rows"
+            )
+    if not lengths:
+        return [dict(options)]
+    return [
+        {name: row(value, _ARRAYS.get(name, 0), k) for name, value in options.items()}
+        for k in range(count)
+    ]
+
+
+def _is_array(value: Any, rank: int) -> bool:
+    """True for an option with a row for each environment: an array of this rank."""
+    return isinstance(value, np.ndarray) and rank > 0 and value.ndim == rank
 
 
 def _require_free(

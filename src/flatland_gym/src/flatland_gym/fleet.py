@@ -5,7 +5,7 @@ into the arrays of a `BatchObservation`, which fleets of several worlds share.
 """
 
 from abc import ABC, abstractmethod
-from typing import List, Optional, Sequence, Tuple
+from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -130,6 +130,7 @@ class BatchFleet(Fleet):
             lidar=world.robot.lidar,
             threads=min(threads, count),
             moved=self._moved,
+            vary=settings.vary,
             step_size=settings.step_size,
             params=settings.params,
         )
@@ -140,9 +141,17 @@ class BatchFleet(Fleet):
         self._places = np.zeros((count, len(self._moved), 3))
         self._commands = np.zeros((len(rows.poses), len(self._batch.action_names)))
         self._drive = self._batch.stepper(settings.frame_skip, self._out)
+        self._restart = self._batch.restarter(self._out)
+        self._is_plain = count == 1 and maps is None and not settings.vary
 
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
         count = len(self._out.poses)
+        if self._is_plain:  # the checks of a batch take longer than a reset of one
+            (episode,) = episodes
+            moved = [value for name in self._moved for value in episode.places[name]]
+            models = np.array([moved]) if moved else None
+            self._restart(np.array([episode.seed]), np.array(episode.starts), models)
+            return
         seeds = np.array([episode.seed for episode in episodes])
         poses = np.array([episode.starts for episode in episodes])
         mask = places = None
@@ -157,7 +166,18 @@ class BatchFleet(Fleet):
         if self._maps is not None:
             numbers = zip(indices.tolist(), episodes)
             walls = {k: self._maps[episode.map or 0].walls for k, episode in numbers}
-        self._batch.reset(mask, seeds, poses, out=self._out, model_poses=places, walls=walls)
+        vary: Dict[str, FloatArray] = {}
+        if self._settings.vary:
+            vary = {name: np.empty(count) for name in self._settings.vary}
+            for k, episode in zip(indices.tolist(), episodes):
+                for name, value in episode.vary.items():
+                    vary[name][k] = value
+        self._batch.reset(
+            mask, seeds, poses, out=self._out, model_poses=places, walls=walls, vary=vary
+        )
+
+    def is_blocked(self, index: int, episode: Episode) -> bool:
+        return self._batch.worlds_differ and super().is_blocked(index, episode)
 
     def added_walls(self, index: int) -> Segments:
         return self._batch.added_walls(index)

@@ -79,11 +79,12 @@ class Navigation:
         self._others = tuple(dict.fromkeys(n for world in self._worlds for n in world.others))
         self._radii = np.array([world.radii(self._others) for world in self._worlds])
         self._maps = Maps(settings, self._worlds[0], count) if settings.maps is not None else None
-        self._sampler = EpisodeSampler(self._worlds, settings, self._maps)
+        self._sampler = EpisodeSampler(self._worlds, settings, self._maps, count)
         self.options = {}
         self._fleets: Dict[int, Fleet] = {}
         self._threads = threads
-        self._is_single = count == 1 and robots > 1 and settings.maps is None
+        is_plain = settings.maps is None and not settings.vary
+        self._is_single = count == 1 and robots > 1 and is_plain
         self.action_space = self.robot.action_space()
         self._parts = self._parts_of(settings.observation)
         self._privileged = self._parts_of(settings.privileged)
@@ -102,10 +103,13 @@ class Navigation:
         self._neighbors = Neighbors(self._worlds, settings, count, self._team, self._maps)
         self._world_of = np.full(count, -1)  # the index of each row's world
         self._map_of = np.zeros(count, int)
+        self._vary = np.zeros((count, len(settings.vary)))
         self.goals = np.zeros((count, 2))
         self.distances = np.zeros(count)
         self.successes = np.zeros(count, dtype=bool)
         self.steps = np.zeros(count, dtype=int)
+        if settings.vary:  # which only a fleet checks
+            self._fleet(0)
 
     @property
     def options(self) -> Dict[str, Any]:
@@ -115,7 +119,7 @@ class Navigation:
     @options.setter
     def options(self, options: Optional[Mapping[str, Any]]) -> None:
         found = options_of(options)
-        self._choice = self._sampler.choice(found)
+        self._choices = self._sampler.choices(found)
         self._options: Dict[str, Any] = found
 
     def reset(
@@ -129,18 +133,19 @@ class Navigation:
         Args:
             indices: indices of the environments to reset.
             generators: random number generator of each of them.
-            options: see `EpisodeSampler.choice`; those in `options` apply where these have none.
+            options: see `EpisodeSampler.choices`; those in `options` apply where these have none.
 
         Raises:
             UsageError: an option is wrong. The environments are as before.
         """
-        given, choice = options_of(options), self._choice
+        given, choices = options_of(options), self._choices
         if given:
-            choice = self._sampler.choice({**self._options, **given})
+            choices = self._sampler.choices({**self._options, **given})
+        own = [choices[k % len(choices)] for k in indices.tolist()]
         may_fail = given or self._options or self._maps is not None
         states = [generator.bit_generator.state for generator in generators] if may_fail else []
         try:
-            episodes = [self._sampler.draw(generator, choice) for generator in generators]
+            episodes = [self._sampler.draw(*each) for each in zip(generators, own)]
         except BaseException:  # also one of a program's function that makes maps
             for generator, state in zip(generators, states):
                 generator.bit_generator.state = state
@@ -151,9 +156,9 @@ class Navigation:
         for number, index in enumerate(indices.tolist()):
             tries = 1
             while self._fleet(episodes[number].world).is_blocked(index, episodes[number]):
-                _require_tries(tries)
+                require_tries(tries)
                 tries += 1
-                episode = episodes[number] = self._sampler.draw(generators[number], choice)
+                episode = episodes[number] = self._sampler.draw(generators[number], own[number])
                 self._fleet(episode.world).reset(np.array([index]), [episode])
         rows = indices
         if self._team > 1:
@@ -162,6 +167,10 @@ class Navigation:
         self._world_of[rows] = [episode.world for episode in episodes for _ in episode.goals]
         if self._maps is not None:
             self._map_of[rows] = [episode.map for episode in episodes for _ in episode.goals]
+        if self.settings.vary:
+            self._vary[rows] = [
+                list(episode.vary.values()) for episode in episodes for _ in episode.goals
+            ]
         if self.settings.neighbors:
             self._see(indices, [episode.seed for episode in episodes])
         self.steps[rows] = 0
@@ -258,6 +267,7 @@ class Navigation:
                 "steps": self.steps[own].tolist(),
                 "episode": int(self._neighbors.seeds[own[0]]),
                 "map": int(self._map_of[own[0]]),
+                "vary": self._vary[own[0]].tolist(),
             }
             for k, own in zip(indices.tolist(), rows)
         ]
@@ -285,6 +295,7 @@ class Navigation:
         rows = self._rows_of(indices)
         self._world_of[rows] = worlds[:, None]
         self._map_of[rows] = [[state["map"]] for state in states]
+        self._vary[rows] = [[state["vary"]] for state in states]
         self.goals[rows] = [state["goal"] for state in states]
         self.distances[rows] = [state["distance"] for state in states]
         self.successes[rows] = [state["success"] for state in states]
@@ -372,6 +383,8 @@ class Navigation:
         }
         if self._maps is not None:
             found["map"] = self._map_of.copy()
+        if self.settings.vary:
+            found["vary"] = self._vary.copy()
         if self._privileged is not None:
             found["privileged"] = self.privileged()
         return found
@@ -483,7 +496,7 @@ def row_of(infos: Mapping[str, Any], index: int) -> Dict[str, Any]:
     }
 
 
-def _require_tries(count: int) -> None:
+def require_tries(count: int) -> None:
     """Raises a UsageError after too many tries to begin an episode."""
     if count >= _TRIES:
         raise UsageError(

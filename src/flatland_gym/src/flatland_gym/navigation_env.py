@@ -8,7 +8,6 @@ from gymnasium import spaces
 
 from flatland2d import UsageError
 from flatland2d.rendering.film import side_by_side
-from flatland_gym.navigation import row_of
 from flatland_gym.pickling import ByArguments
 from flatland_gym.pictures import RENDER_MODES, check_render_mode, page_of
 from flatland_gym.settings import NavigationSettings, require_seed
@@ -65,8 +64,8 @@ class NavigationEnv(ByArguments, gymnasium.Env[Any, Any]):
         Args:
             seed: of the random numbers from now on; None goes on with those there are.
             options: `start` ([x, y] or [x, y, yaw]) and `goal` ([x, y]), which are otherwise drawn;
-                `world`, `goal_distance`, `margin`, `obstacles` and `robot_scales` in place of the
-                arguments, within what these allow.
+                `world`, `goal_distance`, `margin`, `obstacles`, `robot_scales` and `vary` in place
+                of the arguments, within what these allow.
 
         Raises:
             UsageError: an option is wrong, such as a goal in a wall. The environment is as before.
@@ -74,14 +73,14 @@ class NavigationEnv(ByArguments, gymnasium.Env[Any, Any]):
         former = self._np_random, self._np_random_seed
         super().reset(seed=require_seed(seed))
         try:
-            self.navigation.reset(_ONE, [self.np_random], options)
+            result = self.navigation.begin(self.np_random, options)
         except BaseException:
             self._np_random, self._np_random_seed = former
             raise
         self._is_running = True
         if self.render_mode == "human":
             self.render()
-        return self._observation(), self._info()
+        return result
 
     def step(self, action: Any) -> Tuple[Any, float, bool, bool, Dict[str, Any]]:
         """Drives for `frame_skip` steps.
@@ -122,9 +121,3 @@ class NavigationEnv(ByArguments, gymnasium.Env[Any, Any]):
         self.navigation.close()
         if self._page is not None:
             self._page.close()
-
-    def _observation(self) -> Any:
-        return self.navigation.formed(self.navigation.observe()[0])
-
-    def _info(self) -> Dict[str, Any]:
-        return row_of(self.navigation.info(), 0)

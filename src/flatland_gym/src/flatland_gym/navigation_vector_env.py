@@ -58,6 +58,7 @@ class NavigationVectorEnv(ByArguments, VectorEnv[Any, Any, Any]):
             "steps",
             "episode",
             "map",
+            "vary",
         ),
         *("rng", "seed", "ended"),
     )

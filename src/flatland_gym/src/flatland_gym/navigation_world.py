@@ -2,13 +2,14 @@
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from typing import AbstractSet, Any, Dict, List, Mapping, Sequence, Set, Tuple, Union
 
 import numpy as np
 
 from flatland2d import DistanceGrid, FlatlandError, Pose, Simulation, UsageError, find_robot
+from flatland2d.batch.variation import with_values
 from flatland2d.world_content import content_with
 from flatland_gym.map_space import MapSpace
 from flatland_gym.robot import Content, Robot, scale_footprints, set_beams
@@ -113,7 +114,11 @@ class NavigationWorld:
         inside, lidar = _prepared(content, settings, scale)
         added = _add_obstacles(content, settings)
         names = _multiplied(content, inside, robots)
-        config = WorldConfig.from_content(content)
+        greatest = {name: high for name, (_, high) in settings.vary.items()}
+        config = with_values(WorldConfig.from_content(content), greatest)
+        parked = added.union(names if robots > 1 else ())  # of whose places nothing warns
+        entries = (replace(e, reader=None) if e.name in parked else e for e in config.models)
+        config = replace(config, models=tuple(entries))
         with Simulation(config, params=settings.params) as simulation:
             patterns = settings.scatter
             if patterns is None:

@@ -9,7 +9,7 @@ from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.observations import neighbor_rows
 from flatland_gym.settings import NavigationSettings
 from flatland_server import Float32Array, FloatArray, IntArray, Segments
-from flatland_server._core import LinesOfSight, normal_rows
+from flatland_server._core import LinesOfSight, blocked_lines, normal_rows
 
 # Large odd numbers, so that seeds, robots and steps have noise of their own.
 _SEED, _ROBOT, _STEP = (
@@ -77,16 +77,17 @@ class Neighbors:
         near = np.hypot(offsets[..., 0], offsets[..., 1]) - others[..., 4] <= self.reach
         rows, columns = np.nonzero(near)
         lines = np.concatenate([poses[rows, :2], others[rows, columns, :2]], axis=1)
-        hidden = np.zeros(len(rows), bool)
-        for place in np.unique(places[rows]).tolist():
-            walls = self._walls[0 if len(self._walls) == 1 else place]
-            if self._maps is not None:
-                walls = self._maps[place].lines
-            chosen = places[rows] == place
-            hidden[chosen] = walls.blocked(lines[chosen])
-        for row, walls in self._added.items():
-            chosen = rows == row
-            hidden[chosen] |= walls.blocked(lines[chosen])
+        if self._maps is not None:
+            numbers, which = np.unique(places[rows], return_inverse=True)
+            hidden = blocked_lines([self._maps[k].lines for k in numbers.tolist()], which, lines)
+        elif len(self._walls) == 1:
+            hidden = self._walls[0].blocked(lines)
+        else:
+            hidden = blocked_lines(self._walls, places[rows], lines)
+        if self._added:
+            number = np.full(len(poses), -1)
+            number[list(self._added)] = range(len(self._added))
+            hidden |= blocked_lines(list(self._added.values()), number[rows], lines)
         others[rows[hidden], columns[hidden]] = np.nan
         if self._noise:
             keys = self.seeds * _SEED + self._robots + steps.astype(np.uint64) * _STEP

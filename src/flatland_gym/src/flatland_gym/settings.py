@@ -8,6 +8,7 @@ from typing import Any, Callable, Mapping, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from flatland2d import UsageError
+from flatland2d.batch.variation import ranges_of
 from flatland_gym.rewards import RewardWeights, Transition
 from flatland_server.exceptions import UnknownArgumentError, suggestion
 
@@ -59,6 +60,8 @@ class NavigationSettings:
         lidar_noise: standard deviation of the ranges [m]; None leaves the lidar as it is.
         robot_scales: sizes of the robot's footprints, relative to the world's; each episode draws
             one.
+        vary: numbers of model files that each episode draws: the least and the greatest value of
+            each, by names such as "turtlebot/laser/range"; see `SimulationBatch`.
         params: parameters for expressions in the world's files, by absolute name.
         maps: makes the walls of map k, which are in the place of those of the world's first layer:
             a function of `numpy.random.default_rng(k)` that returns them, shape (n, 4), x1, y1, x2,
@@ -95,6 +98,7 @@ class NavigationSettings:
     scatter: Optional[Sequence[str]] = None
     lidar_noise: Optional[float] = None
     robot_scales: Sequence[float] = (1.0,)
+    vary: Mapping[str, Tuple[float, float]] = field(default_factory=dict)
     params: Mapping[str, Any] = field(default_factory=dict)
     maps: Optional[Callable[[np.random.Generator], Any]] = None
     num_maps: int = 1_000_000
@@ -155,6 +159,7 @@ class NavigationSettings:
             is_some = not isinstance(value, (list, tuple)) or len(value) > 0
             _require(name, value, is_some, "a part of observations, or one at least in a sequence")
         object.__setattr__(self, "rewards", _weights(self.rewards))
+        object.__setattr__(self, "vary", ranges_of(self.vary))
 
     @property
     def obstacle_counts(self) -> Tuple[int, int]:

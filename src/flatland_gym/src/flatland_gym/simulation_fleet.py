@@ -1,17 +1,20 @@
 """Fleets of simulations, each stepped by itself: for every plugin, and for single environments."""
 
 from concurrent.futures import ThreadPoolExecutor
-from typing import Callable, Dict, Iterable, List, Optional, Sequence
+from dataclasses import replace
+from typing import Callable, Dict, Iterable, List, Mapping, Optional, Sequence
 
 import numpy as np
 
 from flatland2d import BatchObservation, PluginError, Simulation
+from flatland2d.batch.variation import with_values
 from flatland_gym.episodes import Episode
 from flatland_gym.fleet import BatchFleet, Fleet, Motions
 from flatland_gym.maps import Maps
 from flatland_gym.navigation_world import NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings
 from flatland_server import Body, BoolArray, FloatArray, IntArray, ModelPlugin, Segments
+from flatland_server.simulation.world_state import WorldState
 
 _ONLY = np.array([0])
 
@@ -23,30 +26,41 @@ class RobotSimulation(Fleet):
     """
 
     _simulation: Optional[Simulation] = None  # made with the seed of the first episode
+    _values: Mapping[str, float] = {}
+    """Of the numbers that differ between episodes."""
 
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
         world, (episode,) = self._world, episodes
-        if self._simulation is None:
-            self._simulation = self._open(episode.seed)
-        else:
-            self._simulation.reset(episode.seed)
+        self._open(episode.seed, episode.vary).reset(episode.seed)
+        assert self._simulation is not None
         for name, pose in (*zip(world.robots, episode.starts), *episode.places.items()):
             self._simulation.move(name, pose)
         self._begin(self._simulation)
 
     def save_states(self, indices: IntArray) -> List[bytes]:
-        return [self.simulation(0).save_state() for _ in indices]
+        state = self.simulation(0).save_state()
+        if self._values:
+            state = replace(WorldState.loads(state), vary=dict(self._values)).dumps()
+        return [state for _ in indices]
 
     def load_states(self, indices: IntArray, states: Sequence[bytes]) -> None:
-        if self._simulation is None:
-            self._simulation = self._open(0)
-        self._begin(self._simulation.load_state(*states))
+        (state,) = states
+        values: Mapping[str, float] = {}
+        if self._settings.vary:
+            read = WorldState.loads(state)
+            values, state = read.vary or {}, replace(read, vary=None).dumps()
+        self._begin(self._open(0, values).load_state(state))
 
-    def _open(self, seed: int) -> Simulation:
-        settings = self._settings
-        return Simulation(
-            self._world.config, seed=seed, step_size=settings.step_size, params=settings.params
-        )
+    def _open(self, seed: int, values: Mapping[str, float]) -> Simulation:
+        """The simulation with these values, in any state; made with a seed if it is new."""
+        if self._simulation is None or values != self._values:
+            config, settings = with_values(self._world.config, values), self._settings
+            self.close()
+            self._simulation = Simulation(
+                config, seed=seed, step_size=settings.step_size, params=settings.params
+            )
+            self._values = values
+        return self._simulation
 
     def _begin(self, simulation: Simulation) -> None:
         """Looks up the robots, which are new objects, and what they measure."""

@@ -5,11 +5,11 @@ are Python's numbers, by the same formulas: results are those of `Navigation`, b
 """
 
 import math
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
 
-from flatland_gym.navigation import Navigation, numbers_of
+from flatland_gym.navigation import Navigation, numbers_of, require_tries
 from flatland_gym.reward_functions import evaluate_step
 from flatland_gym.rewards import Transition
 from flatland_gym.settings import NavigationSettings
@@ -37,6 +37,8 @@ class SingleNavigation(Navigation):
         # Python's numbers also where NumPy's were given.
         self._goal_radius = float(settings.goal_radius)
         self._collision_ends = bool(settings.collision_ends)
+        # Whether a reset does more than `begin`.
+        self._is_special = settings.maps is not None or bool(settings.vary or settings.neighbors)
 
     def drive(self, action: Any) -> Result:
         """Makes a step.
@@ -65,19 +67,63 @@ class SingleNavigation(Navigation):
             terminated = success or (collided and self._collision_ends)
         steps = self.steps.item(0) + 1
         self.steps[0], self.distances[0], self.successes[0] = steps, distance, success
+        truncated = not terminated and steps >= self._longest_episode
+        info = self._info(success, collided, distance)
+        return self.observation(), reward, terminated, truncated, info
+
+    def begin(
+        self, generator: np.random.Generator, options: Optional[Mapping[str, Any]]
+    ) -> Tuple[Any, Dict[str, Any]]:
+        """Begins an episode; returns its observation and info.
+
+        Args:
+            generator: the random numbers.
+            options: as for `reset`.
+
+        Raises:
+            UsageError: an option is wrong. The environment is as before.
+        """
+        if options or self._is_special or self._options:
+            self.reset(_ONE, [generator], options)
+            distance = self.distances.item(0)
+            return self.observation(), self._info(False, False, distance)
+        tries = 0
+        while True:
+            episode = self._sampler.draw(generator, self._choices[0])
+            fleet = self._fleet(episode.world)
+            fleet.reset(_ONE, [episode])
+            if not fleet.is_blocked(0, episode):
+                break
+            tries += 1
+            require_tries(tries)
+        ((goal_x, goal_y),) = episode.goals
+        self.goals[0] = goal_x, goal_y
+        self._world_of[0] = episode.world
+        x, y, _ = self.rows.poses[0].tolist()
+        self.steps[0], self.successes[0] = 0, False
+        self.distances[0] = distance = abs(complex(goal_x - x, goal_y - y))
+        return self.observation(), self._info(False, False, distance)
+
+    def observation(self) -> Any:
+        """The observation of the robot: new arrays."""
+        return self.formed(self.observe()[0])
+
+    def _info(self, success: bool, collided: bool, distance: float) -> Dict[str, Any]:
+        """The info of the robot, with new arrays."""
         info = {
             "success": success,
             "collision": collided,
             "distance": distance,
-            "pose": state.poses[0].copy(),
+            "pose": self.rows.poses[0].copy(),
             "goal": self.goals[0].copy(),
         }
         if self._maps is not None:
             info["map"] = self._map_of.item(0)
+        if self.settings.vary:
+            info["vary"] = self._vary[0].copy()
         if self._privileged is not None:
             info["privileged"] = self.privileged()[0]
-        truncated = not terminated and steps >= self._longest_episode
-        return self.formed(self.observe()[0]), reward, terminated, truncated, info
+        return info
 
     def _call_functions(
         self, command: List[float], distance: float, success: bool

@@ -57,6 +57,9 @@ class Crowd(WorldPlugin):
                 self._people.append(person)
                 group = -1 if each.group is None else groups.setdefault(each.group, len(groups))
                 person.join(self._crowd, group=group)
+            self._before_scatter = None
+            if any(person.config.area is not None for person in self._people):
+                self._before_scatter = self.world.physics.save_state()
             self._crowd.scatter()
             self._check_room(config)
         except BaseException:
@@ -93,9 +96,10 @@ class Crowd(WorldPlugin):
 
     @property
     def batch_role(self) -> BatchRole:
-        """The people; worlds differ if their places or times are drawn."""
-        is_drawn = any(person.config.area is not None for person in self._people)
-        return BatchRole(crowd=self._crowd, varies_by_seed=is_drawn or self._varies)
+        """The people, and where they draw their places; worlds differ if their times are drawn."""
+        return BatchRole(
+            crowd=self._crowd, before_scatter=self._before_scatter, varies_by_seed=self._varies
+        )
 
     def has_work(self) -> bool:
         """True if the topic has a subscriber."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from batch_world import WORLD
 
-from flatland2d import BatchObservation, Simulation, SimulationBatch
+from flatland2d import BatchObservation, FlatlandError, Simulation, SimulationBatch
 
 OFFICE = "office"
 SUBSTEPS = 20
@@ -142,12 +142,38 @@ DRAWN = """
 """
 
 
-def test_drawn_people_are_those_of_a_simulation(world_of):
-    world = world_of(models=WORLD + CROWD + DRAWN)
+AFTER = """
+  - {type: Crowd, name: later, pedestrians: [{pose: [2.5, -2.5, 0], goals: [[2.5, 2.5]]}]}
+"""
+
+
+@pytest.mark.parametrize("after", ["", AFTER])
+def test_drawn_people_are_those_of_a_simulation(world_of, after):
+    world = world_of(models=WORLD + CROWD + DRAWN + after)
     expected = {k: run_simulation(world, k, 2) for k in range(4)}
 
     for threads in (1, 2):
         assert_are_simulations(run_batch(world, 4, threads, 2), expected)
+    with SimulationBatch(world, 2) as batch:
+        assert batch.worlds_differ == bool(after)  # a world for all takes half of the time
+
+
+def test_people_without_room_are_told_as_in_a_simulation(world_of):
+    crowd = "plugins: [{type: Crowd, name: drawn, random: {count: 3, area: [[-2, -2], [-1, -1]]}}]"
+    world = world_of(models=WORLD + crowd)
+
+    def is_refused(seed, open):
+        try:
+            open(seed)
+        except FlatlandError as error:
+            return "room for" in str(error)
+        return False
+
+    expected = [is_refused(k, lambda seed: Simulation(world, seed=seed).close()) for k in range(16)]
+    with SimulationBatch(world, 1, seed=expected.index(False)) as batch:
+        found = [is_refused(k, lambda seed: batch.reset(seeds=seed)) for k in range(16)]
+    assert found == expected
+    assert any(expected)
 
 
 RECORDED = """

@@ -155,6 +155,12 @@ class World(metaclass=_Metaclass):
             (REP 117). Intensities, shape (n,): 255 for hits on reflectance layers, else 0. Shapes
             that contain the pose are not seen.
         """
+    @property
+    def settings(self) -> FloatArray:
+        """The numbers that steps leave as they are, in an order of the core's: a new array.
+
+        Of drives, lidars, and bodies with their footprints; see settings.hpp.
+        """
     def save_state(self) -> bytes:
         """The dynamic state: poses, velocities, masses, contacts, joints, drives and tweens.
 
@@ -228,6 +234,7 @@ class WorldBatch(metaclass=_Metaclass):
         models: models that `reset` can move: the bodies of each, and the pose of the first body in
             the model's frame.
         steps: number of steps that the world has made.
+        varied: the indices of those of `World.settings` that `set_settings` sets.
     """
 
     def __init__(
@@ -241,6 +248,7 @@ class WorldBatch(metaclass=_Metaclass):
         threads: int,
         models: Sequence[tuple[Sequence[Body], _Triple]],
         steps: int = 0,
+        varied: Sequence[int] = ...,
     ) -> None: ...
     @property
     def beams(self) -> int:
@@ -275,13 +283,27 @@ class WorldBatch(metaclass=_Metaclass):
         poses: FloatArray | None,
         out: tuple[Any, ...],
         model_poses: FloatArray | None,
-    ) -> None:
+    ) -> int:
         """Resets the environments of a mask (n,), moves their robots, and writes their rows.
 
-        `model_poses` has shape (n, 3 * models); the models are moved after the robots.
+        `model_poses` has shape (n, 3 * models); the models are moved after the robots. Returns the
+        first environment in which a scattered crowd has found no room, or -1.
 
         Raises:
             ValueError: an array does not fit, or a number is not finite. Nothing has changed.
+        """
+    def scatter(self, crowd: Crowd, keys: npt.NDArray[np.uint64], mask: BoolArray | None) -> None:
+        """Lets a crowd draw its places at each reset, by a key for each environment (n,).
+
+        The batch is of a world before `Crowd.scatter`.
+        """
+    def set_settings(self, values: FloatArray, mask: BoolArray | None) -> None:
+        """Gives environments of a mask (n,) other values of `varied`: shape (n, varied).
+
+        Masses follow their densities with the next reset.
+
+        Raises:
+            ValueError: an array does not fit, or a body cannot have its mass.
         """
     def move_robots(self, poses: FloatArray, mask: BoolArray | None) -> None:
         """Moves the robots of a mask (n * m,), and stops them. Writes no rows.
@@ -1356,6 +1378,18 @@ class LinesOfSight(metaclass=_Metaclass):
             lines: x1, y1, x2, y2 [m], shape (n, 4); a line that is not finite is not blocked.
         """
 
+def blocked_lines(walls: Sequence[LinesOfSight], which: IntArray, lines: FloatArray) -> BoolArray:
+    """As `LinesOfSight.blocked`, each line by walls of its own. Releases the GIL.
+
+    Args:
+        walls: of all lines.
+        which: the index of each line's walls, shape (n,); -1 for none.
+        lines: as for `LinesOfSight.blocked`.
+
+    Raises:
+        ValueError: there are no walls of an index, or an array has a wrong shape.
+    """
+
 def normal_rows(keys: npt.NDArray[np.uint64], count: int) -> FloatArray:
     """Normally distributed random numbers: a new array of shape (n, count).
 
@@ -1499,6 +1533,9 @@ class RangeNoise(metaclass=_Metaclass):
     @property
     def key(self) -> int:
         """The key, from 0 to 2^64 - 1."""
+    @property
+    def settings(self) -> list[float]:
+        """The standard deviation, the greatest and the least range [m]."""
     def __call__(self, ranges: Float32Array, nanoseconds: int) -> Float32Array:
         """Adds the noise at a time to ranges; returns a new array.
 
@@ -1514,6 +1551,7 @@ class RangeNoise(metaclass=_Metaclass):
         keys: npt.NDArray[np.uint64],
         nanoseconds: IntArray,
         mask: BoolArray | None,
+        settings: FloatArray | None = None,
     ) -> None:
         """Adds noise to the ranges of several scans, in place. Releases the GIL.
 
@@ -1524,6 +1562,7 @@ class RangeNoise(metaclass=_Metaclass):
             keys: a key for each scan, shape (n,).
             nanoseconds: the time of each scan [ns], shape (n,).
             mask: of the scans that get noise, shape (n,); None is all.
+            settings: as `settings`, of each scan, shape (n, 3); None: those of the noise.
         """
 
 class BeamFan(metaclass=_Metaclass):

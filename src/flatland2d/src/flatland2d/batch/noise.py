@@ -1,14 +1,70 @@
 """The noise of the lidars of a batch."""
 
-from typing import Dict, List, Optional, Sequence, Set
+from typing import Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
 import numpy as np
 
 from flatland2d.robot import Robot
 from flatland_server import _core
-from flatland_server.arrays import BoolArray, Float32Array, IntArray
+from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray
 from flatland_server.plugins.batch_role import AddNoise
 from flatland_server.plugins.plugin_factory import plugin_rng
+
+
+class BatchNoises:
+    """The noise of the lidars of one robot, or of several, in each environment.
+
+    Args:
+        robots: their models and lidars.
+        shape: of the arrays of robots: (n,), or (n, m) with several.
+        settings: see `BatchNoise`, by the robots' indices.
+    """
+
+    def __init__(
+        self,
+        robots: Sequence[Robot],
+        shape: Tuple[int, ...],
+        settings: Mapping[int, FloatArray],
+    ) -> None:
+        self._shape = shape
+        self._noises = [
+            BatchNoise(robot, shape[0], settings.get(index)) for index, robot in enumerate(robots)
+        ]
+        self._is_noisy = any(self._noises)
+
+    def __bool__(self) -> bool:
+        """True if a lidar has noise."""
+        return self._is_noisy
+
+    def restart(self, environments: Sequence[int]) -> None:
+        """As `BatchNoise.restart`, for all robots."""
+        if self._is_noisy:
+            for noise in self._noises:
+                noise.restart(environments)
+
+    def add(
+        self,
+        ranges: Float32Array,
+        seeds: IntArray,
+        nanoseconds: IntArray,
+        mask: Optional[BoolArray],
+        driven: Optional[BoolArray],
+    ) -> None:
+        """Adds the noise at times [ns] to the ranges of environments, or of robots, in the masks.
+
+        Args:
+            ranges: (n, beams), or (n, m, beams).
+            seeds: of the environments, (n,).
+            nanoseconds: the time of each, (n,).
+            mask: which environments, (n,); None: all.
+            driven: which robots, (n * m,); None: all.
+        """
+        if len(self._noises) == 1:
+            self._noises[0].add(ranges.reshape(len(seeds), -1), seeds, nanoseconds, mask)
+            return
+        of_robots = None if driven is None else driven.reshape(self._shape)
+        for index, noise in enumerate(self._noises):
+            noise.add_to_slice(ranges, index, seeds, nanoseconds, of_robots)
 
 
 class BatchNoise:
@@ -17,9 +73,11 @@ class BatchNoise:
     Args:
         robot: the robot with the lidar.
         count: number of environments, n.
+        settings: see `RangeNoise.settings`, where they differ between environments: (n, 3).
     """
 
-    def __init__(self, robot: Robot, count: int) -> None:
+    def __init__(self, robot: Robot, count: int, settings: Optional[FloatArray] = None) -> None:
+        self._settings = settings
         self._robot = robot
         self._make_noise = robot.core_lidar.make_noise
         self._noises: List[Optional[AddNoise]] = [None] * count
@@ -47,7 +105,7 @@ class BatchNoise:
         self._make(seeds)
         first = self._noises[0]
         if isinstance(first, _core.RangeNoise):  # then all are of this type
-            first.add_to_rows(ranges, self._keys, nanoseconds, mask)
+            first.add_to_rows(ranges, self._keys, nanoseconds, mask, self._settings)
             return
         for k in range(len(ranges)) if mask is None else np.flatnonzero(mask).tolist():
             noise = self._noises[k]

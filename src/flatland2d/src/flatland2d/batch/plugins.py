@@ -27,6 +27,7 @@ class BatchPlugins:
         step_nanoseconds: length of a step [ns].
         open: returns the world of a seed.
         origin: the state in which environments begin; None: that of the world's files.
+        scattered: see `BatchRandomness`.
 
     Attributes:
         own_walls: of environments with other walls in the first layer than the world's.
@@ -40,6 +41,7 @@ class BatchPlugins:
         step_nanoseconds: int,
         open: Callable[[int], World],
         origin: Optional[WorldState] = None,
+        scattered: Optional[PluginRole] = None,
     ) -> None:
         self._config = config
         self._count = count
@@ -47,7 +49,7 @@ class BatchPlugins:
         self._origin = origin
         is_random = config.with_seed is not None and not origin
         self._worlds = BatchWorlds([] if origin else roles, count, open, is_random)
-        self._randomness = BatchRandomness([] if origin else roles, count)
+        self._randomness = BatchRandomness([] if origin else roles, count, scattered)
         self._motions = BatchMotions(roles, count, step_nanoseconds)
         self.own_walls: Dict[int, Optional[_core.Walls]] = {}
 
@@ -72,6 +74,28 @@ class BatchPlugins:
             if is_other.any():
                 steps[is_other] = 0
                 self.begin(core, is_other, seeds)
+
+    def reset(
+        self,
+        core: _core.WorldBatch,
+        chosen: Optional[BoolArray],
+        seeds: IntArray,
+        poses: Optional[FloatArray],
+        out: Tuple[Any, ...],
+        model_poses: Optional[FloatArray],
+    ) -> None:
+        """Resets environments of the core, with their seeds (n,): see `WorldBatch.reset`.
+
+        Raises:
+            UsageError: people have found no places in an environment.
+        """
+        self._randomness.scatter(core, chosen, seeds)
+        crowded = core.reset(chosen, poses, out, model_poses)
+        if crowded >= 0:
+            raise UsageError(
+                f"environment {crowded}: expected room for all people in their area, found none "
+                f"with the seed {seeds[crowded]}"
+            )
 
     def begin(self, core: _core.WorldBatch, chosen: Optional[BoolArray], seeds: IntArray) -> None:
         """Begins environments that the core has reset, with their seeds (n,)."""

@@ -3,7 +3,9 @@
 from typing import List, NamedTuple, Sequence, Tuple
 
 from flatland2d.robot import Robot
+from flatland_server import _core
 from flatland_server.exceptions import PluginError, UsageError, listed
+from flatland_server.models.model import Model
 from flatland_server.plugins.batch_role import BatchRole
 from flatland_server.simulation.world import World
 from flatland_server.transport.local_transport import LocalTransport
@@ -50,6 +52,47 @@ def roles_of(world: World) -> List[PluginRole]:
                 )
             roles.append(PluginRole(owner, plugin.name, plugin.type, role))
     return roles
+
+
+def make_core(
+    world: World,
+    robots: Sequence[Robot],
+    count: int,
+    *,
+    threads: int = 1,
+    moved: Sequence[Model] = (),
+    steps: int = 0,
+    varied: Sequence[int] = (),
+) -> _core.WorldBatch:
+    """A batch of the core.
+
+    Args:
+        world: in which environments begin.
+        robots: of it, that are commanded and observed.
+        count: number of environments.
+        threads: number of threads.
+        moved: the models that resets can move.
+        steps: that the world has made.
+        varied: the settings of the core that environments have for themselves.
+    """
+    return _core.WorldBatch(
+        world.physics,
+        robots=[
+            (
+                each.model.physics_bodies,
+                each.model.base.config.pose,
+                each.core_drive.drive,
+                each.core_drive.columns,
+                each.core_lidar.lidar,
+            )
+            for each in robots
+        ],
+        count=count,
+        threads=threads,
+        models=[(each.physics_bodies, each.base.config.pose) for each in moved],
+        steps=steps,
+        varied=varied,
+    )
 
 
 def require_alike(robots: Sequence[Robot]) -> None:

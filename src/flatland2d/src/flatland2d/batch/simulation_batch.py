@@ -18,13 +18,20 @@ from flatland2d.batch.arguments import (
     walls_of,
 )
 from flatland2d.batch.free_spaces import FreeSpaces
-from flatland2d.batch.noise import BatchNoise
+from flatland2d.batch.noise import BatchNoises
 from flatland2d.batch.observation import BatchObservation
 from flatland2d.batch.plugins import BatchPlugins
-from flatland2d.batch.robot import require_alike, require_unchanged_footprints, roles_of
+from flatland2d.batch.randomness import as_before_scatter, find_scattered
+from flatland2d.batch.robot import (
+    make_core,
+    require_alike,
+    require_unchanged_footprints,
+    roles_of,
+)
+from flatland2d.batch.variation import Variation, ranges_of
 from flatland2d.batch.view import BatchView
 from flatland2d.free_space import FreeSpace
-from flatland2d.robot import find_robot
+from flatland2d.robot import Robot, find_robot
 from flatland2d.simulation import Simulation
 from flatland2d.world_source import WorldSource, exported_plugins, open_world
 from flatland_server import _core
@@ -41,6 +48,7 @@ from flatland_server.exceptions import StateError, UsageError
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.simulation import saved_states
 from flatland_server.simulation.world import World
+from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.simulation.world_state import WorldState
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
@@ -83,6 +91,9 @@ class SimulationBatch:
         lidar: name of the plugin that is read; None: the robot's only lidar.
         threads: number of threads; each steps an equal part of the environments.
         moved: names of other models that `reset` can move.
+        vary: numbers of model files that `reset` can set in each environment: the least and the
+            greatest value of each, by names as "turtlebot/laser/range": a model, its plugin or
+            body, and keys. Until a reset, environments have the greatest values.
         step_size: length of a step [s].
         seed: of environment 0; environment k has `seed + k`. Or a seed for each environment.
         params: parameters by absolute name, for expressions in the files and for plugins.
@@ -108,6 +119,7 @@ class SimulationBatch:
         lidar: Optional[str] = None,
         threads: int = 1,
         moved: Sequence[str] = (),
+        vary: Mapping[str, Tuple[float, float]] = {},
         step_size: float = 0.005,
         seed: Union[int, Sequence[int], IntArray] = 0,
         params: Mapping[str, Any] = {},
@@ -133,13 +145,27 @@ class SimulationBatch:
             loader=loader,
         )
         require_unchanged_footprints(self._world)
-        if origin is not None:  # its changed footprints are those of all environments
-            saved_states.restore(origin, self._world)
-        roles = roles_of(self._world)
         if robot is not None and robots is not None:
             raise UsageError(f"expected robot or robots, found both: {shown((robot, robots))}")
         names = [robot] if robots is None else several(robots, "robots")
-        self._robots = [find_robot(self._world, name, lidar) for name in names]
+
+        def robots_of(world: World) -> List[Robot]:
+            return [find_robot(world, name, lidar) for name in names]
+
+        if vary and origin is not None:
+            raise UsageError("expected no vary for a batch that begins in a state")
+        self._variation = Variation(
+            self._world.config, ranges_of(vary), self._num_envs, self._load, robots_of
+        )
+        if self._variation:
+            self._world.close()
+            self._world = self._load(self._variation.config)
+        if origin is not None:  # its changed footprints are those of all environments
+            saved_states.restore(origin, self._world)
+        roles, scattered = roles_of(self._world), None
+        if origin is None:
+            roles, scattered = find_scattered(self._world, roles)
+        self._robots = robots_of(self._world)
         require_alike(self._robots)
         self._robot = self._robots[0]
         self._team = None if robots is None else len(self._robots)  # m of the arrays' shapes
@@ -152,33 +178,36 @@ class SimulationBatch:
                     f'expected other models as moved, found the robot "{each.model.name}"'
                 )
         self._action_names = self._robot.action_names
-        self._core: Optional[_core.WorldBatch] = _core.WorldBatch(
-            self._world.physics,
-            robots=[
-                (
-                    each.model.physics_bodies,
-                    each.model.base.config.pose,
-                    each.core_drive.drive,
-                    each.core_drive.columns,
-                    each.core_lidar.lidar,
-                )
-                for each in self._robots
-            ],
-            count=self._num_envs,
-            threads=self._threads,
-            models=[(each.physics_bodies, each.base.config.pose) for each in self._moved],
-            steps=first_step,
-        )
-        self._beams = self._core.beams
+        with as_before_scatter(self._world, scattered):
+            core = make_core(
+                self._world,
+                self._robots,
+                self._num_envs,
+                threads=self._threads,
+                moved=self._moved,
+                steps=first_step,
+                varied=self._variation.settings,
+            )
+        self._core: Optional[_core.WorldBatch] = core
+        self._beams = core.beams
         self._steps = np.full(self._num_envs, first_step, np.int64)
         self._parts: Optional[WorldState] = None
         self._plugins = BatchPlugins(
-            self._world.config, roles, self._num_envs, self._step_nanoseconds, self._open, origin
+            self._world.config,
+            roles,
+            self._num_envs,
+            self._step_nanoseconds,
+            self._open,
+            origin,
+            scattered,
         )
-        self._plugins.begin(self._core, None, self._seeds)
+        if scattered is not None:
+            arrays = self._arrays(self._rows(None))
+            self._plugins.reset(core, None, self._seeds, None, arrays, None)
+        self._plugins.begin(core, None, self._seeds)
         varies = self._world.config.with_seed or any(each.role.varies_by_seed for each in roles)
         self._only_seed = origin.seed if origin is not None and varies else None
-        self._noises = [BatchNoise(each, self._num_envs) for each in self._robots]
+        self._noise = BatchNoises(self._robots, self._shape, self._variation.noises)
         self._spaces = FreeSpaces(self._world, self._robots)
 
     # Facts
@@ -192,6 +221,11 @@ class SimulationBatch:
     def threads(self) -> int:
         """The number of threads."""
         return self._threads
+
+    @property
+    def worlds_differ(self) -> bool:
+        """True if environments have worlds of their own, as with a RandomWall."""
+        return self._plugins.worlds_differ
 
     @property
     def step_size(self) -> float:
@@ -301,15 +335,41 @@ class SimulationBatch:
         """
         core, plugins = self._require_open(), self._plugins
         arrays = self._arrays(self._rows(out))
-        has_noise = any(self._noises)
 
         def step(commands: FloatArray) -> None:
             plugins.load(core, None, self._seeds, self._steps)
             plugins.step(core, None, None, commands, substeps, self._steps, arrays)
-            if has_noise:
-                self._add_noise(out, None, None)
+            self._add_noise(out, None, None)
 
         return step
+
+    def restarter(
+        self, out: BatchObservation
+    ) -> Callable[[IntArray, FloatArray, Optional[FloatArray]], None]:
+        """A function that does what `reset` does with all environments, without its checks.
+
+        Args:
+            out: as for `stepper`.
+
+        Returns:
+            A function of seeds (n,), the poses of all robots (n * m, 3), and those of the models of
+            `moved` (n, 3 * models), or None.
+
+        Raises:
+            UsageError: `out` does not fit, or the batch is closed.
+        """
+        core, plugins = self._require_open(), self._plugins
+        arrays = self._arrays(self._rows(out))
+
+        def restart(seeds: IntArray, poses: FloatArray, model_poses: Optional[FloatArray]) -> None:
+            plugins.load(core, None, seeds, self._steps)
+            plugins.reset(core, None, seeds, poses, arrays, model_poses)
+            self._seeds[:] = seeds
+            plugins.begin(core, None, self._seeds)
+            self._noise.restart(range(self._num_envs))
+            self._add_noise(out, None, None)
+
+        return restart
 
     def reset(
         self,
@@ -319,6 +379,7 @@ class SimulationBatch:
         out: Optional[BatchObservation] = None,
         model_poses: Optional[ArrayLike] = None,
         walls: Mapping[int, Optional[Walls]] = {},
+        vary: Mapping[str, ArrayLike] = {},
     ) -> BatchObservation:
         """Puts environments back to the beginning of the world, at time 0, and observes.
 
@@ -336,6 +397,9 @@ class SimulationBatch:
             walls: maps of environments that are reset, by their indices: from now on, these walls
                 are in the place of those of the world's first layer; None: those of the world. Many
                 environments may have the same one.
+            vary: numbers of the class's `vary` that they have from now on, by name: one for all, or
+                one for each environment, shape (n,). Only those of environments that are reset
+                count; others of their numbers stay.
 
         Returns:
             `out`, or new arrays.
@@ -356,10 +420,12 @@ class SimulationBatch:
         new_seeds = None if seeds is None else seeds_of(seeds, self._num_envs)
         observation = self._rows(out)
         seeds_now = self._seeds if new_seeds is None else new_seeds
+        if vary:
+            self._variation.set(core, vary, chosen)
         if walls:
             self._plugins.set_walls(core, walls_of(walls, self._num_envs, chosen))
         self._plugins.load(core, chosen, seeds_now, self._steps)
-        core.reset(chosen, placed, self._arrays(observation), others)
+        self._plugins.reset(core, chosen, seeds_now, placed, self._arrays(observation), others)
         self._change_seeds(new_seeds, chosen)
         self._plugins.begin(core, chosen, self._seeds)
         self._finish(observation, *self._masks(chosen), is_new=out is None)
@@ -417,8 +483,14 @@ class SimulationBatch:
         poses, velocities = core.motions(self._view.bodies, chosen)
         nanoseconds = int(self._steps[index]) * self._step_nanoseconds
         seed = int(self._seeds[index])
-        own = self._plugins.own_walls.get(index)
-        return self._view.show(seed, nanoseconds, poses[index], velocities[index], own)
+        own, values = self._plugins.own_walls.get(index), self._variation.of(index)
+
+        def config() -> WorldConfig:
+            found = self._variation.config_of(index) if values else self._world.config
+            return found if own is None else found.with_walls(own.segments)
+
+        motions = poses[index], velocities[index]
+        return self._view.show(seed, nanoseconds, *motions, (own, values), config)
 
     @property
     def models(self) -> Tuple[str, ...]:
@@ -479,6 +551,7 @@ class SimulationBatch:
                 plugins=self._plugins.states(k),
                 physics=core.save_state(k),
                 own_walls=own.get(k),
+                vary=self._variation.of(k),
                 is_of_batch=True,
             ).dumps()
             for k in (every if chosen is None else np.flatnonzero(chosen).tolist())
@@ -526,14 +599,15 @@ class SimulationBatch:
         steps[indices] = [steps_of(saved[each], self._step_nanoseconds) for each in given]
         self._plugins.load(core, chosen, seeds, self._steps)
         physics, arrays = [each.physics for each in saved.values()], self._arrays(observation)
+        former = self._variation.take(core, indices, [saved[each].vary for each in given])
         try:
             walls = [None if s.own_walls is None else Walls(s.own_walls) for s in saved.values()]
             core.load_states(chosen, physics, walls, numbers, steps, arrays)
         except ValueError as error:
+            self._variation.put(core, former)
             raise StateError(f"the state cannot be loaded: {error}") from None
         self._plugins.own_walls.update((k, walls[numbers[k]]) for k in indices.tolist())
-        for noise in self._noises:
-            noise.restart(np.flatnonzero(seeds != self._seeds).tolist())
+        self._noise.restart(np.flatnonzero(seeds != self._seeds).tolist())
         self._seeds = seeds
         for k, each in zip(indices.tolist(), given):
             self._plugins.restore(k, saved[each])
@@ -640,8 +714,13 @@ class SimulationBatch:
 
     def _open(self, seed: int) -> World:
         """The world with another seed."""
-        loader = self._loader or exported_plugins()
-        return World(self._world.config, LocalTransport(self._params, ()), seed=seed, loader=loader)
+        return self._load(self._world.config, seed)
+
+    def _load(self, config: WorldConfig, seed: Optional[int] = None) -> World:
+        """A world; with the seed of environment 0, unless another one is given."""
+        transport, loader = LocalTransport(self._params, ()), self._loader or exported_plugins()
+        own = int(self._seeds[0]) if seed is None else seed
+        return World(config, transport, seed=own, loader=loader)
 
     def _rows(self, out: Optional[BatchObservation]) -> BatchObservation:
         if out is None:
@@ -692,25 +771,18 @@ class SimulationBatch:
             return
         where = True if mask is None else mask
         np.multiply(self._steps * self._step_nanoseconds, 1e-9, out=rows.times, where=where)
-        if any(self._noises):
-            self._add_noise(rows, mask, driven)
+        self._add_noise(rows, mask, driven)
 
     def _add_noise(
         self, rows: BatchObservation, mask: Optional[BoolArray], driven: Optional[BoolArray]
     ) -> None:
-        nanoseconds = self._steps * self._step_nanoseconds
-        if len(self._noises) == 1:
-            ranges = rows.ranges.reshape(self._num_envs, -1)
-            self._noises[0].add(ranges, self._seeds, nanoseconds, mask)
-            return
-        of_robots = None if driven is None else driven.reshape(self._shape)
-        for index, noise in enumerate(self._noises):
-            noise.add_to_slice(rows.ranges, index, self._seeds, nanoseconds, of_robots)
+        if self._noise:
+            nanoseconds = self._steps * self._step_nanoseconds
+            self._noise.add(rows.ranges, self._seeds, nanoseconds, mask, driven)
 
     def _change_seeds(self, seeds: Optional[IntArray], mask: Optional[BoolArray]) -> None:
         if seeds is None:
             return
         chosen = np.arange(self._num_envs) if mask is None else np.flatnonzero(mask)
         self._seeds[chosen] = seeds[chosen]
-        for noise in self._noises:
-            noise.restart(chosen.tolist())
+        self._noise.restart(chosen.tolist())

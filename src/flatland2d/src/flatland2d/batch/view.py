@@ -1,12 +1,13 @@
 """A simulation that shows an environment of a batch: for pictures."""
 
-from typing import Any, List, Mapping, Optional
+from typing import Any, Callable, List, Mapping, Optional, Tuple
 
 from flatland2d.simulation import Simulation
 from flatland_server import _core
 from flatland_server.arrays import FloatArray
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.simulation.world import World
+from flatland_server.simulation.world_config import WorldConfig
 
 
 class BatchView:
@@ -34,7 +35,7 @@ class BatchView:
         self._loader = loader
         self._origin = origin
         self._simulation: Optional[Simulation] = None
-        self._walls: Optional[_core.Walls] = None  # of it, in place of the world's
+        self._differences: Tuple[Any, Any] = (None, None)
 
     @property
     def bodies(self) -> List[_core.Body]:
@@ -47,16 +48,25 @@ class BatchView:
         nanoseconds: int,
         poses: FloatArray,
         velocities: FloatArray,
-        walls: Optional[_core.Walls],
+        differences: Tuple[Optional[_core.Walls], Optional[Mapping[str, float]]],
+        config: Callable[[], WorldConfig],
     ) -> Simulation:
-        """The simulation with a seed, at a time, with its bodies at these poses (n, 3)."""
-        if walls is not self._walls:
+        """The simulation with a seed, at a time, with its bodies at these poses (n, 3).
+
+        Args:
+            seed: of the environment.
+            nanoseconds: the time.
+            poses: of its bodies.
+            velocities: of its bodies.
+            differences: from other environments: its walls and numbers.
+            config: makes its world.
+        """
+        if differences != self._differences:
             self.close()
-            self._simulation, self._walls = None, walls
+            self._simulation, self._differences = None, differences
         if self._simulation is None:
-            config = self._world.config
             self._simulation = Simulation(
-                config if walls is None else config.with_walls(walls.segments),
+                config(),
                 seed=seed,
                 step_size=self._step_size,
                 params=self._params,

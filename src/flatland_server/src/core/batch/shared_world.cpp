@@ -16,9 +16,11 @@ std::byte* BytesOf(void* object) { return static_cast<std::byte*>(object); }
 
 }  // namespace
 
-SharedWorld::SharedWorld(std::unique_ptr<World> world, const std::vector<World::Body>& moved)
+SharedWorld::SharedWorld(std::unique_ptr<World> world, const std::vector<World::Body>& moved,
+                         const std::vector<int>& varied)
     : world_(std::move(world)) {
   for (const World::Body& body : moved) world_->bodies_.AllowMotion(body);
+  if (!varied.empty()) CollectVaried(varied);
   beginning_ = WorldState::Of(*world_);
   WorldState::Clear(*world_);
   CollectRanges();
@@ -73,6 +75,26 @@ void SharedWorld::CollectRanges() {
   JoinRanges();
 }
 
+void SharedWorld::CollectVaried(const std::vector<int>& varied) {
+  const std::vector<Setting> settings = SettingsOf(*world_);
+  for (const int index : varied) {
+    Require(index >= 0 && index < static_cast<int>(settings.size()), "there is no such setting");
+    varied_.push_back(settings[index]);
+  }
+  world_->bodies_.ForEach([this](World::Body, BodyRecord& record) {
+    const auto is_varied = [&](const BodyRecord::FixtureRecord& each) {
+      return std::any_of(varied_.begin(), varied_.end(), [&](const Setting& setting) {
+        return setting.is_density && setting.owner == each.fixture;
+      });
+    };
+    const auto& fixtures = record.fixtures;
+    if (record.body->GetType() == b2_dynamicBody &&
+        std::any_of(fixtures.begin(), fixtures.end(), is_varied)) {
+      weighed_.push_back(&record);
+    }
+  });
+}
+
 /// Joins ranges that are neighbours in memory, with a gap between them too small for another
 /// object.
 void SharedWorld::JoinRanges() {
@@ -108,10 +130,36 @@ std::unique_ptr<SharedState> SharedWorld::MakeState(SharedState::Walls walls) {
   state->held_.resize(layers.size());
   state->nearby_.resize(world_->bodies_.Moving().size());
   state->walls_ = std::move(walls);
+  for (const Setting& each : varied_) state->settings_.push_back(each.Get());
   const auto add_line = [&](DelayLine&) { state->lines_.emplace_back(); };
   world_->mechanisms_.ForEachActuator([&](auto, Actuator& each) { each.ForEachLine(add_line); });
   beginning_.Restore(Entered(*this, *state).world());
   return state;
+}
+
+void SharedWorld::Set(SharedState& state, const double* values) {
+  std::vector<b2MassData> masses;
+  if (!weighed_.empty()) {
+    const Entered entered(*this, state);
+    for (size_t i = 0; i < varied_.size(); ++i) varied_[i].Set(values[i]);
+    for (const BodyRecord* const record : weighed_) {
+      MassSum sum;
+      for (const BodyRecord::FixtureRecord& each : record->fixtures) {
+        FixtureSettings settings;
+        settings.density = each.fixture->GetDensity();
+        if (settings.density != 0.0)
+          sum = sum.With(ComputeMass(*each.fixture->GetShape(), settings));
+      }
+      masses.push_back(sum.ToBox2D());
+    }
+  }
+  state.settings_.assign(values, values + varied_.size());
+  state.masses_ = std::move(masses);
+}
+
+void SharedWorld::Begin(World& world, const SharedState& state) const {
+  beginning_.Restore(world);
+  for (size_t i = 0; i < state.masses_.size(); ++i) weighed_[i]->SetMass(state.masses_[i]);
 }
 
 void SharedWorld::Prefetch(SharedState& state, int distance) {
@@ -148,6 +196,7 @@ void SharedWorld::Enter(SharedState& state) {
     std::memcpy(range.address, from, range.size);
     from += range.size;
   }
+  for (size_t i = 0; i < varied_.size(); ++i) varied_[i].Set(state.settings_[i]);
   world_->bodies_.ChangePoses();
 }
 

@@ -15,6 +15,7 @@
 ///   are exchanged.
 ///
 /// - Walls belong to the world, or to a state that has others in the first layer: a map of its own.
+/// - Settings belong to the world, but for those that vary: each state has values of these.
 ///
 /// So a state makes, bit for bit, the steps that a World of its own makes.
 
@@ -27,6 +28,7 @@
 #include "base/prefetch.hpp"
 #include "sight/visible_walls.hpp"
 #include "world/nearby_walls.hpp"
+#include "world/settings.hpp"
 #include "world/world.hpp"
 #include "world/world_state.hpp"
 
@@ -38,6 +40,11 @@ class SharedState {
   using Walls = std::shared_ptr<const VisibleWalls>;
 
   const Walls& walls() const { return walls_; }
+  /// Takes the settings of another state of the same world, or of an equal one.
+  void TakeSettings(const SharedState& other) {
+    settings_ = other.settings_;
+    masses_ = other.masses_;
+  }
 
  private:
   friend class SharedWorld;
@@ -47,13 +54,18 @@ class SharedState {
   std::vector<BodyRecord::Nearby> nearby_;  // of each body that may move
   Walls walls_;                             // of the first layer, or null: those of the world
   std::vector<DelayLine> lines_;            // of the drives' actuators
+  std::vector<double> settings_;            // values of those that vary
+  std::vector<b2MassData> masses_;          // of bodies with densities that vary; empty: those
+                                            // at the beginning
 };
 
 class SharedWorld {
  public:
   /// Takes a world, which must not be given to anything else. Nothing may be added to it or removed
-  /// any more. Of static bodies, only `moved` may be moved.
-  explicit SharedWorld(std::unique_ptr<World> world, const std::vector<World::Body>& moved = {});
+  /// any more. Of static bodies, only `moved` may be moved; of settings, only those of the indices
+  /// `varied` may differ between states. Throws std::invalid_argument for a wrong index.
+  explicit SharedWorld(std::unique_ptr<World> world, const std::vector<World::Body>& moved = {},
+                       const std::vector<int>& varied = {});
 
   /// Makes a state: that of the world at the beginning, with `walls` in its first layer unless
   /// null. It must be destroyed before the SharedWorld. Throws std::invalid_argument if the walls
@@ -78,8 +90,11 @@ class SharedWorld {
     SharedState& state_;
   };
 
-  /// The state at the beginning, to restore an entered world.
-  const WorldState& beginning() const { return beginning_; }
+  /// Gives a state other values of the settings that vary. The masses follow when it begins again.
+  /// Throws std::invalid_argument, and changes nothing, if a body cannot have its mass.
+  void Set(SharedState& state, const double* values);
+  /// Puts the entered world, in this state, back to the beginning.
+  void Begin(World& world, const SharedState& state) const;
   /// Reads a saved state, which can be restored to the entered world of any state. `state`: any
   /// state of this world. Throws std::invalid_argument if the bytes are damaged, or differ in
   /// something that all states share.
@@ -111,11 +126,14 @@ class SharedWorld {
   void Enter(SharedState& state);
   void Leave(SharedState& state);
   void CollectRanges();
+  void CollectVaried(const std::vector<int>& varied);
   void JoinRanges();
   /// Exchanges the pointers to what only this state has.
   void ExchangeOwn(SharedState& state);
 
   std::unique_ptr<World> world_;
+  std::vector<Setting> varied_;
+  std::vector<BodyRecord*> weighed_;  // with densities that vary
   WorldState beginning_;
   std::vector<Range> ranges_;
   std::vector<std::byte> empty_;  // the ranges of a state without contacts and walls

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <map>
@@ -39,8 +40,13 @@ void Put(double* row, double a, double b, double c) {
 }  // namespace
 
 WorldBatch::WorldBatch(const World& world, const std::vector<BatchRobot>& robots, int count,
-                       int threads, const std::vector<BatchModel>& models, int64_t steps)
-    : robots_(robots), models_(models), first_step_(steps), team_(std::min(threads, count)) {
+                       int threads, const std::vector<BatchModel>& models, int64_t steps,
+                       const std::vector<int>& varied)
+    : robots_(robots),
+      models_(models),
+      varied_(varied),
+      first_step_(steps),
+      team_(std::min(threads, count)) {
   Require(count >= 1, "a batch needs an environment");
   Require(threads >= 1, "a batch needs a thread");
   Require(!robots.empty(), "a batch needs a robot");
@@ -57,7 +63,7 @@ WorldBatch::WorldBatch(const World& world, const std::vector<BatchRobot>& robots
   collided_.resize(static_cast<size_t>(row_count()));
   seen_.resize(collided_.size());
   for (int i = 0; i < team_.size(); ++i) {
-    const auto shared = std::make_shared<SharedWorld>(world.Copy(), moved_);
+    const auto shared = std::make_shared<SharedWorld>(world.Copy(), moved_, varied_);
     for (int row = team_.Begin(i, count); row < team_.Begin(i + 1, count); ++row) {
       environments_[row] = {shared, shared->MakeState(), steps};
     }
@@ -155,8 +161,16 @@ void WorldBatch::Advance(const bool* mask, const double* actions, int substeps, 
   });
 }
 
-void WorldBatch::Reset(const bool* mask, const double* poses, const BatchRows& rows,
-                       const double* model_poses) {
+void WorldBatch::Scatter(World::CrowdHandle crowd, const bool* mask, const uint64_t* keys) {
+  scattered_ = crowd;
+  crowd_keys_.resize(count());
+  for (int row = 0; row < count(); ++row) {
+    if (mask == nullptr || mask[row]) crowd_keys_[row] = keys[row];
+  }
+}
+
+int WorldBatch::Reset(const bool* mask, const double* poses, const BatchRows& rows,
+                      const double* model_poses) {
   const int64_t numbers = 3 * int64_t{model_count()};  // of a row of model_poses
   const int robots = robot_count();
   for (int row = 0; row < count(); ++row) {
@@ -168,8 +182,17 @@ void WorldBatch::Reset(const bool* mask, const double* poses, const BatchRows& r
       RequirePose(model_poses + numbers * row + i);
     }
   }
+  std::atomic<int> crowded = count();
   ForEach(mask, 1, [&](World& world, Environment& environment, int row) {
-    environment.world->beginning().Restore(world);
+    environment.world->Begin(world, *environment.state);
+    if (scattered_) {
+      world.Get(*scattered_).Seed(crowd_keys_[row]);
+      if (!world.ScatterCrowd(*scattered_)) {
+        int least = crowded;
+        while (row < least && !crowded.compare_exchange_weak(least, row)) {
+        }
+      }
+    }
     const int64_t first = int64_t{row} * robots;
     for (int i = 0; poses != nullptr && i < robots; ++i) {
       Move(world, robots_[i].bodies, robots_[i].base, poses + 3 * (first + i));
@@ -181,6 +204,7 @@ void WorldBatch::Reset(const bool* mask, const double* poses, const BatchRows& r
     std::fill_n(collided_.begin() + first, robots, false);
     Write(world, row, nullptr, rows);
   });
+  return crowded < count() ? crowded.load() : -1;
 }
 
 void WorldBatch::MoveRobots(const bool* mask, const double* poses) {
@@ -219,7 +243,10 @@ void WorldBatch::LoadStates(const bool* mask, const std::vector<std::string_view
     const int64_t index = chosen[row];
     Require(index >= 0 && index < static_cast<int64_t>(states.size()), "there is no such state");
     const auto& [shared, state, _] = environments_[row];
-    if (state->walls() != walls[index]) others[row] = shared->MakeState(walls[index]);
+    if (state->walls() != walls[index]) {
+      others[row] = shared->MakeState(walls[index]);
+      others[row]->TakeSettings(*state);
+    }
     const std::pair key(shared.get(), index);
     auto found = read.find(key);
     if (found == read.end()) {
@@ -249,7 +276,7 @@ void WorldBatch::Observe(const BatchRows& rows) {
 
 void WorldBatch::Replace(int row, const World& world) {
   Require(row >= 0 && row < count(), "there is no such environment");
-  const auto own = std::make_shared<SharedWorld>(world.Copy(), moved_);
+  const auto own = std::make_shared<SharedWorld>(world.Copy(), moved_, varied_);
   Begin(row, {own, own->MakeState(), 0});
 }
 
@@ -259,7 +286,16 @@ void WorldBatch::SetWalls(int row, std::shared_ptr<const VisibleWalls> walls) {
   if (state->walls() != walls) Begin(row, {shared, shared->MakeState(std::move(walls)), 0});
 }
 
+void WorldBatch::SetSettings(const bool* mask, const double* values) {
+  for (int row = 0; row < count(); ++row) {
+    if (mask != nullptr && !mask[row]) continue;
+    const auto& [shared, state, steps] = environments_[row];
+    shared->Set(*state, values + int64_t{row} * varied_count());
+  }
+}
+
 void WorldBatch::Begin(int row, Environment environment) {
+  environment.state->TakeSettings(*environments_[row].state);
   environments_[row] = std::move(environment);
   const int64_t first = int64_t{row} * robot_count();
   std::fill_n(collided_.begin() + first, robot_count(), false);

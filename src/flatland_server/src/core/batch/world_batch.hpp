@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -58,9 +59,11 @@ class WorldBatch {
   /// Environments that begin as copies of a world that has made `steps` steps. Throws
   /// std::invalid_argument if there is no environment or thread, if the robots do not have equally
   /// many beams and numbers in an action, and GoneError for a wrong handle. `models` are those that
-  /// Reset may put elsewhere.
+  /// Reset may put elsewhere, `varied` the indices of the settings (settings.hpp) that SetSettings
+  /// may set.
   WorldBatch(const World& world, const std::vector<BatchRobot>& robots, int count, int threads,
-             const std::vector<BatchModel>& models = {}, int64_t steps = 0);
+             const std::vector<BatchModel>& models = {}, int64_t steps = 0,
+             const std::vector<int>& varied = {});
   ~WorldBatch();
 
   int count() const { return static_cast<int>(environments_.size()); }
@@ -69,6 +72,7 @@ class WorldBatch {
   int robot_count() const { return static_cast<int>(robots_.size()); }
   /// The number of robots in all environments.
   int row_count() const { return count() * robot_count(); }
+  int varied_count() const { return static_cast<int>(varied_.size()); }
   int model_count() const { return static_cast<int>(models_.size()); }
 
   /// Throws std::invalid_argument, with the place, unless all actions that `mask` (count x robots;
@@ -89,12 +93,17 @@ class WorldBatch {
                const bool* mask = nullptr) {
     Advance(mask, actions, substeps, dt, nullptr, goes_on);
   }
+  /// From now on, a Reset begins the random numbers of a crowd by the key of the environment, and
+  /// lets its people draw their places (Crowd::Scatter). `keys` (count) are of the environments
+  /// that `mask` (null: all) chooses; others keep theirs, which are 0 at first.
+  void Scatter(World::CrowdHandle crowd, const bool* mask, const uint64_t* keys);
   /// Puts the environments that `mask` (count; null: all) chooses back to the beginning, moves
   /// their robots to `poses` (count x robots x 3: x, y [m], yaw [rad]; null: they stay) and then
   /// the models to `model_poses` (count x models x 3; null: they stay), and writes their rows.
   /// Throws std::invalid_argument, and changes nothing, for a pose that Box2D cannot compute with.
-  void Reset(const bool* mask, const double* poses, const BatchRows& rows,
-             const double* model_poses = nullptr);
+  /// Returns the first environment in which people have found no places, or -1.
+  int Reset(const bool* mask, const double* poses, const BatchRows& rows,
+            const double* model_poses = nullptr);
   /// Moves the robots that `mask` (count x robots; null: all) chooses to `poses` (count x robots x
   /// 3), and stops them; their commands hold. Throws as Reset does. No row is written.
   void MoveRobots(const bool* mask, const double* poses);
@@ -106,6 +115,10 @@ class WorldBatch {
   /// world (null). Its row is not written. Throws std::invalid_argument, and changes nothing, in a
   /// world without a layer, or where environments begin near walls.
   void SetWalls(int row, std::shared_ptr<const VisibleWalls> walls);
+  /// Gives the environments that `mask` chooses (count; null: all) their values (count x varied) of
+  /// the settings that vary; masses follow with the next Reset. Throws std::invalid_argument, and
+  /// changes nothing in further environments, if a body cannot have its mass.
+  void SetSettings(const bool* mask, const double* values);
   /// The state of an environment, equal to what World::SaveState returns for an equal world.
   std::string SaveState(int row);
   /// Puts each environment that `mask` chooses (null: all) into a saved state, and writes its row.
@@ -165,6 +178,9 @@ class WorldBatch {
   std::vector<BatchRobot> robots_;
   std::vector<BatchModel> models_;
   std::vector<World::Body> moved_;  // those of the robots and the models
+  std::vector<int> varied_;
+  std::optional<World::CrowdHandle> scattered_;
+  std::vector<uint64_t> crowd_keys_;  // of each environment
   int beams_ = 0;
   int64_t first_step_ = 0;  // steps that the copied world had made
   std::vector<Environment> environments_;

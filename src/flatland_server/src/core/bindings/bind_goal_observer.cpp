@@ -1,5 +1,7 @@
 /// GoalObserver and LinesOfSight in Python: the observations of n robots in one call.
 
+#include <algorithm>
+
 #include "base/normal_numbers.hpp"
 #include "batch/goal_observer.hpp"
 #include "bindings/bindings.hpp"
@@ -36,18 +38,41 @@ Array<float> Observe(const GoalObserver& self, const Array<float>& ranges,
 
 LinesOfSight MakeLines(const Array<double>& walls) { return LinesOfSight(ToSegments(walls)); }
 
-Array<bool> AreBlocked(const LinesOfSight& self, const Array<double>& lines) {
+void RequireLines(const Array<double>& lines) {
   if (lines.ndim() != 2 || lines.shape(1) != 4) {
     throw std::invalid_argument("expected lines (n, 4)");
   }
+}
+
+/// `walls_of(k)` are those of line k, or null.
+template <class WallsOf>
+Array<bool> AreBlocked(const Array<double>& lines, WallsOf walls_of) {
   Array<bool> result(lines.shape(0));
   const double* end = lines.data();
-  bool *blocked = result.mutable_data(), *const last = blocked + lines.shape(0);
+  bool* const blocked = result.mutable_data();
   const py::gil_scoped_release release;
-  for (; blocked != last; ++blocked, end += 4) {
-    *blocked = self.IsBlocked({{end[0], end[1]}, {end[2], end[3]}});
+  for (py::ssize_t k = 0; k < lines.shape(0); ++k, end += 4) {
+    const LinesOfSight* const walls = walls_of(k);
+    blocked[k] = walls != nullptr && walls->IsBlocked({{end[0], end[1]}, {end[2], end[3]}});
   }
   return result;
+}
+
+Array<bool> AreBlockedBy(const LinesOfSight& self, const Array<double>& lines) {
+  RequireLines(lines);
+  return AreBlocked(lines, [&](py::ssize_t) { return &self; });
+}
+
+Array<bool> AreBlockedByTheirs(const std::vector<const LinesOfSight*>& walls,
+                               const Array<int64_t>& which, const Array<double>& lines) {
+  RequireLines(lines);
+  const auto count = static_cast<int64_t>(walls.size());
+  const int64_t *const first = which.data(), *const end = first + which.size();
+  if (which.size() != lines.shape(0) ||
+      std::any_of(first, end, [&](int64_t each) { return each < -1 || each >= count; })) {
+    throw std::invalid_argument("expected an index of walls for each line, or -1");
+  }
+  return AreBlocked(lines, [&](py::ssize_t k) { return first[k] < 0 ? nullptr : walls[first[k]]; });
 }
 
 Array<double> NormalRows(const Array<uint64_t>& keys, int count) {
@@ -71,7 +96,8 @@ void BindGoalObserver(py::module_& m) {
            py::arg("velocities").noconvert(), py::arg("goals").noconvert());
   py::class_<LinesOfSight>(m, "LinesOfSight")
       .def(py::init(&MakeLines), py::arg("walls"))
-      .def("blocked", &AreBlocked, py::arg("lines"));
+      .def("blocked", &AreBlockedBy, py::arg("lines"));
+  m.def("blocked_lines", &AreBlockedByTheirs, py::arg("walls"), py::arg("which"), py::arg("lines"));
   m.def("normal_rows", &NormalRows, py::arg("keys"), py::arg("count"));
 }
 

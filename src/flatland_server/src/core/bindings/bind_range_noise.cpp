@@ -1,6 +1,7 @@
 /// RangeNoise in Python: for one scan, and for those of many environments.
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include "bindings/bindings.hpp"
@@ -21,17 +22,23 @@ Ranges WithNoise(const RangeNoise& self, const Ranges& ranges, int64_t nanosecon
 }
 
 void AddToRows(const RangeNoise& self, Ranges ranges, const Values<uint64_t>& keys,
-               const Values<int64_t>& nanoseconds, const std::optional<Values<bool>>& mask) {
+               const Values<int64_t>& nanoseconds, const std::optional<Values<bool>>& mask,
+               const std::optional<Values<double>>& settings) {
   const py::ssize_t rows = ranges.ndim() == 2 ? ranges.shape(0) : -1;
-  if (rows != keys.size() || rows != nanoseconds.size() || (mask && mask->size() != rows)) {
-    throw std::invalid_argument("expected ranges (n, beams), and n keys, times and booleans");
+  if (rows != keys.size() || rows != nanoseconds.size() || (mask && mask->size() != rows) ||
+      (settings && settings->size() != 3 * rows)) {
+    throw std::invalid_argument(
+        "expected ranges (n, beams), n keys, times and booleans, and settings (n, 3)");
   }
   float* row = ranges.mutable_data();
   const auto beams = static_cast<int>(ranges.shape(1));
   const py::gil_scoped_release release;
   for (py::ssize_t k = 0; k < rows; ++k, row += beams) {
     if (mask && !mask->data()[k]) continue;
-    self.WithKey(keys.data()[k]).AddTo(row, beams, nanoseconds.data()[k]);
+    const uint64_t key = keys.data()[k];
+    const double* const own = settings ? settings->data() + 3 * k : nullptr;
+    const RangeNoise noise = own ? RangeNoise(key, own[0], own[1], own[2]) : self.WithKey(key);
+    noise.AddTo(row, beams, nanoseconds.data()[k]);
   }
 }
 
@@ -42,9 +49,15 @@ void BindRangeNoise(py::module_& m) {
       .def(py::init<uint64_t, double, double, double>(), py::arg("key"), py::arg("std_dev"),
            py::arg("max_range"), py::arg("min_range") = 0.0)
       .def_property_readonly("key", &RangeNoise::key)
+      .def_property_readonly(
+          "settings",
+          [](const RangeNoise& self) {
+            return std::array<double, 3>{self.std_dev(), self.max_range(), self.min_range()};
+          })
       .def("__call__", &WithNoise, py::arg("ranges").noconvert(), py::arg("nanoseconds"))
       .def("add_to_rows", &AddToRows, py::arg("ranges").noconvert(), py::arg("keys").noconvert(),
-           py::arg("nanoseconds").noconvert(), py::arg("mask").noconvert().none(true));
+           py::arg("nanoseconds").noconvert(), py::arg("mask").noconvert().none(true),
+           py::arg("settings").noconvert() = py::none());
 }
 
 }  // namespace flatland

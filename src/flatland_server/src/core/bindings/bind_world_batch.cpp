@@ -102,9 +102,9 @@ void Step(PyWorldBatch& self, const Array<double>& actions, int substeps, double
   }
 }
 
-void Reset(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
-           const std::optional<Array<double>>& poses, const py::tuple& out,
-           const std::optional<Array<double>>& model_poses) {
+int Reset(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
+          const std::optional<Array<double>>& poses, const py::tuple& out,
+          const std::optional<Array<double>>& model_poses) {
   if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
   if (poses) RequireShape(*poses, "poses", self.batch.row_count(), 3);
   if (model_poses) {
@@ -113,8 +113,16 @@ void Reset(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
   const BatchRows rows = ToRows(self.batch, out);
   const Use use(self);
   const py::gil_scoped_release release;
-  self.batch.Reset(mask ? mask->data() : nullptr, poses ? poses->data() : nullptr, rows,
-                   model_poses ? model_poses->data() : nullptr);
+  return self.batch.Reset(mask ? mask->data() : nullptr, poses ? poses->data() : nullptr, rows,
+                          model_poses ? model_poses->data() : nullptr);
+}
+
+void SetSettings(PyWorldBatch& self, const Array<double>& values,
+                 const std::optional<Array<bool>>& mask) {
+  RequireShape(values, "values", self.batch.count(), std::max(self.batch.varied_count(), 1));
+  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+  const Use use(self);
+  self.batch.SetSettings(mask ? mask->data() : nullptr, values.data());
 }
 
 void MoveRobots(PyWorldBatch& self, const Array<double>& poses,
@@ -166,6 +174,14 @@ void Seed(PyWorldBatch& self, const Owner& owner, const Array<uint64_t>& keys,
   const Use use(self);
   const py::gil_scoped_release release;
   self.batch.Seed(mask ? mask->data() : nullptr, owner.handle, keys.data());
+}
+
+void Scatter(PyWorldBatch& self, const PyCrowd& crowd, const Array<uint64_t>& keys,
+             const std::optional<Array<bool>>& mask) {
+  RequireShape(keys, "keys", self.batch.count(), 0);
+  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+  const Use use(self);
+  self.batch.Scatter(crowd.handle, mask ? mask->data() : nullptr, keys.data());
 }
 
 /// Poses and velocities: two arrays of shape (count, bodies, 3), with zeros where the mask does not
@@ -249,17 +265,17 @@ void BindWorldBatch(py::module_& m) {
         return rows;
       });
   py::class_<PyWorldBatch>(m, "WorldBatch")
-      .def(
-          py::init(
-              [](const PyWorld& world, const std::vector<PyRobot>& robots, int count, int threads,
-                 const std::vector<std::pair<std::vector<PyBody>, Triple>>& models, int64_t steps) {
-                std::vector<BatchRobot> converted;
-                for (const PyRobot& robot : robots) converted.push_back(ToRobot(robot));
-                return std::unique_ptr<PyWorldBatch>(new PyWorldBatch{
-                    {*world.world, converted, count, threads, ToModels(models), steps}});
-              }),
-          py::arg("world"), py::kw_only(), py::arg("robots"), py::arg("count"), py::arg("threads"),
-          py::arg("models"), py::arg("steps") = 0)
+      .def(py::init([](const PyWorld& world, const std::vector<PyRobot>& robots, int count,
+                       int threads,
+                       const std::vector<std::pair<std::vector<PyBody>, Triple>>& models,
+                       int64_t steps, const std::vector<int>& varied) {
+             std::vector<BatchRobot> converted;
+             for (const PyRobot& robot : robots) converted.push_back(ToRobot(robot));
+             return std::unique_ptr<PyWorldBatch>(new PyWorldBatch{
+                 {*world.world, converted, count, threads, ToModels(models), steps, varied}});
+           }),
+           py::arg("world"), py::kw_only(), py::arg("robots"), py::arg("count"), py::arg("threads"),
+           py::arg("models"), py::arg("steps") = 0, py::arg("varied") = std::vector<int>())
       .def_property_readonly("beams", [](const PyWorldBatch& self) { return self.batch.beams(); })
       .def("require_actions", &RequireActions, py::arg("actions").noconvert(),
            py::arg("mask").noconvert().none(true))
@@ -269,6 +285,8 @@ void BindWorldBatch(py::module_& m) {
       .def("reset", &Reset, py::arg("mask").noconvert().none(true),
            py::arg("poses").noconvert().none(true), py::arg("out"),
            py::arg("model_poses").noconvert().none(true))
+      .def("set_settings", &SetSettings, py::arg("values").noconvert(),
+           py::arg("mask").noconvert().none(true))
       .def("move_robots", &MoveRobots, py::arg("poses").noconvert(),
            py::arg("mask").noconvert().none(true))
       .def(
@@ -296,6 +314,8 @@ void BindWorldBatch(py::module_& m) {
             self.batch.SetWalls(row, walls ? walls->walls : nullptr);
           },
           py::arg("row"), py::arg("walls"))
+      .def("scatter", &Scatter, py::arg("crowd"), py::arg("keys").noconvert(),
+           py::arg("mask").noconvert().none(true))
       .def("seed", &Seed<PyCrowd>, py::arg("owner"), py::arg("keys").noconvert(),
            py::arg("mask").noconvert().none(true))
       .def("seed", &Seed<PyDrive>, py::arg("owner"), py::arg("keys").noconvert(),

@@ -8,6 +8,7 @@
 
 #include "bindings/fast_method.hpp"
 #include "world/box2d_timer.hpp"
+#include "world/settings.hpp"
 
 namespace flatland {
 namespace {
@@ -86,6 +87,15 @@ void BindWorld(py::module_& m) {
             self.world->RestoreState(std::string_view(state));
           },
           py::arg("state"))
+      .def_property_readonly(
+          "settings",
+          [](const PyWorld& self) {
+            const std::vector<Setting> settings = SettingsOf(*self.world);
+            py::array_t<double> values(static_cast<py::ssize_t>(settings.size()));
+            double* value = values.mutable_data();
+            for (const Setting& each : settings) *value++ = each.Get();
+            return values;
+          })
       .def("set_contact_listener", &SetContactListener, py::arg("listener"))
       .def_property_readonly("touches", &Touches)
       .def_property_readonly("body_count",

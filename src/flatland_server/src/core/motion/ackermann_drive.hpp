@@ -120,6 +120,23 @@ class AckermannDrive {
     visit(motion_);
     if (actuator_) actuator_->ForEachPart(visit);
   }
+  /// Calls `visit` with each setting.
+  template <class Visit>
+  void ForEachSetting(Visit visit) {
+    visit(settings_.wheelbase);
+    visit(settings_.max_steer_angle);
+    settings_.linear.ForEachSetting(visit);
+    visit(settings_.jerk);
+    settings_.steering.ForEachSetting(visit);
+    if (settings_.single_track) {
+      SingleTrack& car = *settings_.single_track;
+      for (double* each : {&car.mass, &car.inertia, &car.center_of_mass, &car.height, &car.friction,
+                           &car.front_stiffness, &car.rear_stiffness}) {
+        visit(*each);
+      }
+    }
+    if (actuator_) actuator_->ForEachSetting(visit);
+  }
 
  private:
   /// The state of a car with slip, besides speed and steering angle.

@@ -118,6 +118,18 @@ class Actuator {
     visit(state_);
     grip_.ForEachPart(visit);
   }
+  /// Calls `visit` with each setting.
+  template <class Visit>
+  void ForEachSetting(Visit visit) {
+    for (AxisSettings* axis : {&settings_.linear, &settings_.angular}) {
+      for (double* each : {&axis->delay, &axis->time_constant, &axis->dead_band, &axis->noise}) {
+        visit(*each);
+      }
+    }
+    visit(settings_.command_timeout);
+    settings_.force.ForEachSetting(visit);
+    grip_.ForEachSetting(visit);
+  }
   template <class Visit>
   void ForEachLine(Visit visit) {
     visit(linear_line_);

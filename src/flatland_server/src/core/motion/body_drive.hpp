@@ -65,6 +65,13 @@ class BodyDrive {
     visit(motion_);
     if (actuator_) actuator_->ForEachPart(visit);
   }
+  /// Calls `visit` with each setting.
+  template <class Visit>
+  void ForEachSetting(Visit visit) {
+    linear_.ForEachSetting(visit);
+    angular_.ForEachSetting(visit);
+    if (actuator_) actuator_->ForEachSetting(visit);
+  }
 
  private:
   DynamicsLimits linear_;

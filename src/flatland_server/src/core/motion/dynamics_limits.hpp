@@ -27,6 +27,13 @@ struct DynamicsLimits {
   /// Throws std::invalid_argument if a limit is negative or not finite.
   void Check() const;
 
+  /// Calls `visit` with each number.
+  template <class Visit>
+  void ForEachSetting(Visit visit) {
+    visit(acceleration);
+    visit(deceleration);
+    visit(velocity);
+  }
   /// A speed or rate, clamped to the velocity limit.
   double Limited(double speed) const {
     return velocity > 0.0 && speed > velocity ? velocity : speed;

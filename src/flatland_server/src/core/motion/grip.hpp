@@ -15,6 +15,13 @@ struct ForceLimits {
   double friction = 0.0;    ///< coefficient of the tyres: beyond it, wheels slip
 
   explicit operator bool() const { return max_force > 0.0 || max_torque > 0.0 || friction > 0.0; }
+  /// Calls `visit` with each number.
+  template <class Visit>
+  void ForEachSetting(Visit visit) {
+    visit(max_force);
+    visit(max_torque);
+    visit(friction);
+  }
 };
 
 /// Moves a body by a belt under it. The belt is a body without fixtures that moves at the velocity
@@ -57,6 +64,10 @@ class Grip {
   void ForEachPart(Visit visit) {
     visit(slips_);
     visit(spins_);
+  }
+  template <class Visit>
+  void ForEachSetting(Visit visit) {
+    limits_.ForEachSetting(visit);
   }
 
  private:

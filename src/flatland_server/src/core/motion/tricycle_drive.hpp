@@ -88,6 +88,14 @@ class TricycleDrive {
     visit(motion_);
     if (actuator_) actuator_->ForEachPart(visit);
   }
+  /// Calls `visit` with each setting but the place of the rear axle.
+  template <class Visit>
+  void ForEachSetting(Visit visit) {
+    visit(settings_.max_steer_angle);
+    settings_.linear.ForEachSetting(visit);
+    settings_.steering.ForEachSetting(visit);
+    if (actuator_) actuator_->ForEachSetting(visit);
+  }
 
  private:
   /// Twist of the body's origin, in its frame, for a speed [m/s] and angle [rad] of the front

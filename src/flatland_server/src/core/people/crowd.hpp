@@ -98,8 +98,9 @@ class Crowd {
   /// Before a step of `dt` [s]: makes an update, if one is due.
   void BeginStep(Bodies& bodies, const Layers& layers, double dt);
   /// Puts people with areas at drawn places, away from walls, bodies and each other: one for which
-  /// none is found stays. Puts those that follow a recording where it begins.
-  void Scatter(Bodies& bodies, const Layers& layers);
+  /// none is found stays. Puts those that follow a recording where it begins. Returns whether
+  /// those who stay have room there.
+  bool Scatter(Bodies& bodies, const Layers& layers);
   /// The distances around each person at present.
   std::vector<Clearances> GetClearances(const Bodies& bodies, const Layers& layers);
   /// Copies the changing state of an equal crowd.

@@ -16,6 +16,8 @@ constexpr double kEncounter = 5.0;  // from a robot, at which an encounter begin
 constexpr int kTries = 100;         // to draw a free point
 constexpr double kWallRoom = 0.1;   // of drawn points, beside a person's radius [m]
 constexpr double kOthersRoom = 0.5;
+constexpr double kTolerance =
+    1e-5;  // of the room of a person: positions are in single precision [m]
 
 // The forces within groups, see GroupForce [m/s^2]; their vision is that of both eyes.
 constexpr double kGaze = 4.0, kAttraction = 3.0, kGroupRepulsion = 1.0;
@@ -70,13 +72,14 @@ Vec2 Crowd::DesiredDirection(size_t index, const Layers& layers) {
   return (1.0 / std::max(LengthOf(left), slow_down)) * left;
 }
 
-void Crowd::Scatter(Bodies& bodies, const Layers& layers) {
+bool Crowd::Scatter(Bodies& bodies, const Layers& layers) {
   // Scattering must not use up random numbers of the walk: a batch seeds those anew when a world is
   // loaded.
   const NormalNumbers of_walk = clock_.numbers;
   const double seed = clock_.numbers.DrawUniform();
   clock_.numbers = NormalNumbers(NormalNumbers::Mixed(static_cast<uint64_t>(seed * 0x1p53)));
   FindOthers(bodies);
+  bool found_all = true;
   std::vector<std::pair<Vec2, double>> taken;  // points and radii of people
   for (size_t i = 0; i < people_.size(); ++i) {
     if (people_[i].recording) Replay(i, bodies);
@@ -100,6 +103,7 @@ void Crowd::Scatter(Bodies& bodies, const Layers& layers) {
       });
     };
     const std::optional<Vec2> point = DrawPoint(i, layers, is_free);
+    if (!point) found_all = false;
     if (!point) continue;
     taken.push_back({*point, person.radius});
     JumpTo(person, *point, bodies);
@@ -107,6 +111,13 @@ void Crowd::Scatter(Bodies& bodies, const Layers& layers) {
     progress_[i].drawn_goal = *point;
   }
   clock_.numbers = of_walk;
+  if (found_all) return true;
+  const std::vector<Clearances> clearances = GetClearances(bodies, layers);
+  for (size_t i = 0; i < people_.size(); ++i) {
+    const double least = std::min({clearances[i].wall, clearances[i].body, clearances[i].person});
+    if (people_[i].area && least < people_[i].radius - kTolerance) return false;
+  }
+  return true;
 }
 
 // ---- Attention ----

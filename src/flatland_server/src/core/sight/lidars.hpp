@@ -40,6 +40,16 @@ class Lidars {
   /// The lidar with its scan of the present world. Its arrays are valid until the world changes.
   const Lidar& Scan(LidarHandle lidar) { return Scan(lidar, AccessGuard(access_)); }
   const Lidar& Scan(LidarHandle lidar, const AccessGuard& guard);
+  /// Calls `visit` with each setting of each lidar: its place, and its ranges.
+  template <class Visit>
+  void ForEachSetting(Visit visit) {
+    lidars_.ForEach([&](auto, Mounted<Lidar>& mounted) {
+      auto& [fan, pose, scan] = mounted.mechanism.settings;
+      for (double* each : {&pose.x, &pose.y, &pose.yaw, &scan.range, &scan.range_min}) {
+        visit(*each);
+      }
+    });
+  }
   /// The number of beams of a lidar.
   int GetBeamCount(LidarHandle lidar) const;
   /// For batches: writes a lidar's scan of the present world to an array of GetBeamCount values.

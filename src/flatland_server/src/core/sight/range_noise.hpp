@@ -15,6 +15,9 @@ class RangeNoise {
   RangeNoise(uint64_t key, double std_dev, double max_range, double min_range = 0.0);
 
   uint64_t key() const { return key_; }
+  double std_dev() const { return std_dev_; }
+  double max_range() const { return max_range_; }
+  double min_range() const { return min_range_; }
   /// The same noise with another key.
   RangeNoise WithKey(uint64_t key) const { return {key, std_dev_, max_range_, min_range_}; }
 

@@ -36,6 +36,7 @@
 namespace flatland {
 
 class Layers;
+struct Setting;
 class NearbyWalls;
 struct WorldState;
 
@@ -233,7 +234,7 @@ class World : public Access, private b2DestructionListener {
   /// Removes a crowd. The bodies of its people stay, and move like others.
   void RemoveCrowd(CrowdHandle crowd);
   /// See Crowd::Scatter.
-  void ScatterCrowd(CrowdHandle crowd);
+  bool ScatterCrowd(CrowdHandle crowd);
   /// See Crowd::GetClearances.
   std::vector<Crowd::Clearances> GetClearances(CrowdHandle crowd);
   Crowd& Get(CrowdHandle handle) {
@@ -280,6 +281,7 @@ class World : public Access, private b2DestructionListener {
   friend class SharedWorld;
   friend class WorldBatch;
   friend struct WorldState;
+  friend std::vector<Setting> SettingsOf(World& world);
 
   /// The number of parts of a step.
   int PartsOf(double dt);

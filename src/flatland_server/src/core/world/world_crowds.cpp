@@ -24,9 +24,9 @@ void World::AddPerson(CrowdHandle crowd, const PersonSettings& person) {
   bodies_.ChangeStructure();
 }
 
-void World::ScatterCrowd(CrowdHandle crowd) {
+bool World::ScatterCrowd(CrowdHandle crowd) {
   const AccessGuard guard(*this);
-  crowds_.Get(crowd).Scatter(bodies_, *layers_);
+  return crowds_.Get(crowd).Scatter(bodies_, *layers_);
 }
 
 void World::RemoveCrowd(CrowdHandle crowd) {

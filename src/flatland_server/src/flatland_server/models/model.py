@@ -41,6 +41,7 @@ class ModelConfig:
         plugins: its plugins, which read their own keys when they start.
         is_read: whether it was read from `path` or `content`; otherwise a program has made it.
         content: the plain data or the text that it was read from, if not a file.
+        reader: of all that; None if a program has made it.
     """
 
     path: Path
@@ -49,6 +50,7 @@ class ModelConfig:
     plugins: Tuple[PluginConfig, ...]
     is_read: bool = False
     content: Union[Mapping[str, Any], str, None] = field(default=None, compare=False, repr=False)
+    reader: Optional[YamlReader] = field(default=None, compare=False, repr=False)
 
     @classmethod
     def from_file(
@@ -129,7 +131,8 @@ class ModelConfig:
         )
         plugins = reader.get_enabled_sections("plugins", PluginConfig.read)
         reader.finish()
-        return cls(reader.file, tuple(bodies), tuple(joints), tuple(plugins), is_read=True)
+        parts = tuple(bodies), tuple(joints), tuple(plugins)
+        return cls(reader.file, *parts, is_read=True, reader=reader)
 
 
 class Model(Entity):

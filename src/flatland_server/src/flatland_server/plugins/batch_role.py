@@ -128,6 +128,9 @@ class BatchRole(NamedTuple):
     crowd: Optional[_core.Crowd] = None
     """The crowd of the core that it has added with a number from its `rng` as the key. Each
     environment gets the key of its own seed."""
+    before_scatter: Optional[bytes] = None
+    """`World.save_state` before `Crowd.scatter`, if people draw their places by that key. Each
+    environment then draws its own."""
     make_motion: Optional[Callable[[int], BatchMotion]] = None
     """Makes the motion of the bodies that the plugin moves at its updates, for a number of
     environments. Called when all models and plugins of the world have been made."""

@@ -69,6 +69,10 @@ def restore(state: WorldState, world: World) -> None:
     contents = world.contents
     if state.own_walls is not None:
         raise StateError("the state is of an environment with walls of its own: load it in a batch")
+    if state.vary is not None:
+        raise StateError(
+            "the state is of an environment with values of its own: load it in a batch"
+        )
     try:
         _check_walls(state, contents.config)
         _replay_added(state, world)

@@ -82,6 +82,8 @@ class WorldState:
     """See `_core.World.save_state`."""
     own_walls: Any = None
     """The walls of the first layer in place of those of the world's files; see `Walls`."""
+    vary: Any = None
+    """The values of an environment that differ from those of the world's files, by name."""
     is_of_batch: bool = False
     """True for the state of an environment: it has the states of those plugins alone that act."""
 
