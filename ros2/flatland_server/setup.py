@@ -12,5 +12,6 @@ setup(
         ("share/flatland_server/rviz", ["rviz/flatland.rviz"]),
     ],
     install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},  # by which colcon runs the tests
     entry_points={"console_scripts": ["flatland_server = flatland_server_node.main:main"]},
 )

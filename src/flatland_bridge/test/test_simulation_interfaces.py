@@ -117,7 +117,7 @@ def test_states_of_the_simulation(call):
     assert state(call) == 2
     assert call("set_simulation_state", state={"state": 1}) == {}
     assert call("set_simulation_state", state={"state": 1})["result"] == 101
-    assert call("step_simulation", steps=1)["result"] == 3
+    assert call("step_simulation", steps=1)["result"] == 4
     assert call("set_simulation_state", state={"state": 0}) == {}
     assert state(call) == 0
     assert call("set_simulation_state", state={"state": 3})["result"] == 0

@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 import tcpros_client
 from catkin_pkg.packages import find_packages
+from commands import run
 from std_msgs.msg import Int32
 from tcpros_client import next_message
 from waiting import wait_until
@@ -68,17 +69,7 @@ class Shell:
 
     def run(self, *commands):
         """Run commands, and return their output; the first that fails fails the test."""
-        result = subprocess.run(
-            ["bash", "-c", " && ".join(commands)],
-            env=self.environment,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            timeout=LIMIT,
-        )
-        if result.returncode != 0:
-            pytest.fail(f"{commands}: exit code {result.returncode}\n{result.stdout}", False)
-        return result.stdout
+        return run("bash", "-c", " && ".join(commands), env=self.environment, timeout=LIMIT)
 
     def start(self, *commands, output):
         """Run commands in a session of their own, with a file for their output."""

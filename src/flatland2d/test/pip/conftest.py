@@ -16,6 +16,7 @@ from email.parser import BytesParser
 from pathlib import Path
 
 import pytest
+from commands import run
 from without_ros import BLOCK_ROS
 
 ROOT = Path(__file__).resolve().parents[4]
@@ -31,35 +32,11 @@ BUILD_REQUIREMENTS = (
     "catkin_pkg==1.0.0",
 )
 
-LIMIT = 600.0  # s, for each command
-
 FLATLAND = """#!/usr/bin/env python3
 import sys
 from flatland2d.cli import main
 sys.exit(main())
 """
-
-
-def run(*command, **variables):
-    """The output of a command; if it fails, so does the test, with its output.
-
-    Args:
-        command: the program and its arguments.
-        variables: additional environment variables.
-    """
-    words = [str(word) for word in command]
-    result = subprocess.run(
-        words,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        timeout=LIMIT,
-        cwd=FOLDER,
-        env={**environment(), **{name: str(value) for name, value in variables.items()}},
-    )
-    if result.returncode != 0:
-        pytest.fail(f"{' '.join(words)}: exit code {result.returncode}\n{result.stdout}", False)
-    return result.stdout
 
 
 def environment():
@@ -78,16 +55,16 @@ class Environment:
         if not (self.folder / "complete").exists():
             for former in FOLDER.glob(f"{name}-*"):
                 shutil.rmtree(former)
-            run(sys.executable, "-m", "venv", self.folder)
+            self._run(sys.executable, "-m", "venv", self.folder)
             self.pip("install", *requirements)
             (self.folder / "complete").touch()
 
     def pip(self, command, *arguments):
-        run(self.python, "-m", "pip", "--disable-pip-version-check", command, "-q", *arguments)
+        self.run("-m", "pip", "--disable-pip-version-check", command, "-q", *arguments)
 
     def run(self, *arguments, **variables):
         """The output of its Python."""
-        return run(self.python, *arguments, **variables)
+        return self._run(self.python, *arguments, **variables)
 
     def start(self, *arguments, **variables):
         """A process of its Python."""
@@ -100,7 +77,12 @@ class Environment:
 
     def command(self, name, *arguments, **variables):
         """The output of a command that a package has installed."""
-        return run(self.folder / "bin" / name, *arguments, **variables)
+        return self._run(self.folder / "bin" / name, *arguments, **variables)
+
+    @staticmethod
+    def _run(*command, **variables):
+        variables = {name: str(value) for name, value in variables.items()}
+        return run(*command, cwd=FOLDER, env={**environment(), **variables})
 
     def wheel(self, folder, build, *settings):
         """Builds the wheel of the clone.
@@ -173,20 +155,7 @@ class Reader:
 
     def run(self, folder, *words):
         """Runs a Python program and returns its output; if it fails, so does the test."""
-        words = [sys.executable, *map(str, words)]
-        result = subprocess.run(
-            words,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            timeout=LIMIT,
-            cwd=folder,
-            env=self._variables,
-        )
-        if result.returncode != 0:
-            code = result.returncode
-            pytest.fail(f"{' '.join(words)}: exit code {code}\n{result.stdout}", False)
-        return result.stdout
+        return run(sys.executable, *words, cwd=folder, env=self._variables)
 
 
 @pytest.fixture(scope="session")

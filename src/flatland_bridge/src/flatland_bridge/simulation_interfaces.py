@@ -101,7 +101,7 @@ class SimulationInterfaces:
 
     def _step(self, request: Any) -> None:
         if self._transport.call(self._state) == _State.STATE_PLAYING:
-            raise Failure(Result.RESULT_INCORRECT_STATE, "the simulation is not paused")
+            raise Failure(Result.RESULT_OPERATION_FAILED, "the simulation is not paused")
         self._call("step", steps=request.steps or 1)
 
     def _load_world(self, request: Any) -> Dict[str, Any]:

@@ -11,18 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 from http import HTTPStatus
 from pathlib import Path
-from typing import (
-    Any,
-    Callable,
-    ClassVar,
-    Dict,
-    List,
-    NamedTuple,
-    Optional,
-    Protocol,
-    Sequence,
-    Set,
-)
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Protocol, Sequence, Set
 from urllib.parse import parse_qs, quote, urlsplit
 
 from websockets.asyncio.server import ServerConnection, serve
@@ -218,7 +207,12 @@ class WebSocketServer:
             started.set_result(ports)
             await self._ending.wait()
             # Clients that do not read would hold up the end until they time out.
-            self._loop.call_later(_CLOSE_TIMEOUT, _Connection.abort_all, self._loop)
+            self._loop.call_later(_CLOSE_TIMEOUT, self._abort_all)
+
+    def _abort_all(self) -> None:
+        for each in list(_connections):
+            if each.loop is self._loop:
+                each.transport.abort()
 
     def _open(self, endpoint: Endpoint) -> serve:
         return serve(
@@ -322,29 +316,24 @@ async def _dismiss(connection: ServerConnection, session: Session, reason: str) 
     connection.transport.abort()
 
 
+_connections: Set[ServerConnection] = set()
+"""Those of all servers of this process."""
+
+
 class _Connection(ServerConnection):  # type: ignore[misc]
     """A connection with limits for what comes before and besides messages."""
-
-    _all: ClassVar[Set[ServerConnection]] = set()
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         self._received = self._unread = 0
         super().connection_made(transport)
-        self._all.add(self)
+        _connections.add(self)
         limited: Any = transport
         limited.max_size = _LARGEST_READ
-        if len(self._all) > _MOST_CONNECTIONS:
+        if len(_connections) > _MOST_CONNECTIONS:
             self.transport.abort()
 
-    @classmethod
-    def abort_all(cls, loop: asyncio.AbstractEventLoop) -> None:
-        """Ends all connections of a loop."""
-        for each in list(cls._all):
-            if each.loop is loop:
-                each.transport.abort()
-
     def connection_lost(self, exc: Optional[Exception]) -> None:
-        self._all.discard(self)
+        _connections.discard(self)
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:

@@ -1,8 +1,9 @@
 """Programs run in a Python in which there is no ROS."""
 
 import os
-import subprocess
 import sys
+
+from commands import run
 
 BLOCK_ROS = """
 import sys
@@ -28,11 +29,6 @@ def run_without_ros(program: str, *arguments: object) -> str:
 
 def run_program(program: str, *arguments: object) -> str:
     """The output of a program in a Python of its own."""
-    command = [sys.executable, "-c", program, *map(str, arguments)]
     paths = [os.environ.get("PYTHONPATH", ""), *sys.path]  # the workspace's, then the tests' own
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))}
-    result = subprocess.run(
-        command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-    )
-    assert result.returncode == 0, result.stdout
-    return result.stdout
+    return run(sys.executable, "-c", program, *arguments, env=environment)

@@ -4,7 +4,9 @@ import logging
 import os
 import re
 import threading
+from functools import partial
 from importlib import metadata
+from queue import SimpleQueue
 from typing import Callable, Dict, List, Optional, Sequence, Set, TypeVar, Union
 
 import rclpy
@@ -90,8 +92,12 @@ class Ros2Node:
         self._budget = Budgets().open()  # of all that ROS 2 publishes
         self._graph: Optional[Graph] = None
         self._services: Optional[Services] = None
-        self._is_awake = self._is_ending = False
+        self._is_ending = False
+        self._lock = threading.Lock()  # of the outputs
         self._outputs: Dict[Key, Output] = {}
+        # Messages are sent on a thread of their own: to wake the executor takes a millisecond.
+        self._ready: SimpleQueue[Optional[Key]] = SimpleQueue()  # topics with something to send
+        self._sender = threading.Thread(target=self._send, name="ros2 topics", daemon=True)
         self._inputs: Dict[Key, Input] = {}
         self._refused: Set[Key] = set()
         self._missing: Dict[str, List[str]] = {}  # topics and services, by the package of the type
@@ -107,6 +113,7 @@ class Ros2Node:
         self.node.create_timer(_PERIOD, self._update, clock=Clock(clock_type=ClockType.STEADY_TIME))
         self._executor.add_node(self.node)
         self._thread.start()
+        self._sender.start()
 
     def close(self) -> None:
         """Leaves the graph of ROS 2 at once."""
@@ -118,7 +125,10 @@ class Ros2Node:
         if self._thread.is_alive():
             self._executor.shutdown()
             self._thread.join()
-        for each in self._entities():
+            self._ready.put(None)
+            self._sender.join()
+        entities: List[Union[Input, Output]] = [*self._inputs.values(), *self._outputs.values()]
+        for each in entities:
             each.close()
         self.node.destroy_node()
         self._context.try_shutdown()
@@ -126,7 +136,8 @@ class Ros2Node:
     # On the executor's thread
 
     def _update(self) -> None:
-        self._follow_graph()
+        with self._lock:
+            self._follow_graph()
         self._warn_of_others()
 
     def _follow_graph(self) -> None:
@@ -139,7 +150,7 @@ class Ros2Node:
         for key in gone:
             self._outputs.pop(key).close()
         for key in sorted(published.difference(self._outputs, self._refused)):
-            self._open(key, self._outputs, Output, self._wake)
+            self._open(key, self._outputs, Output, partial(self._ready.put, key))
         subscribed = {
             Key(topic, f"geometry_msgs/{self.command_type}" if kind == _TWIST else kind)
             for topic, kind in topics.subscribed.items()
@@ -163,25 +174,6 @@ class Ros2Node:
             else:
                 logger.info("%s [%s] is not a topic of ROS 2: %s", key.topic, key.kind, error)
 
-    def _entities(self) -> List[Union[Input, Output]]:
-        return [*self._inputs.values(), *self._outputs.values()]
-
-    def _wake(self) -> None:
-        """Sends what waits, soon; for any thread."""
-        if not self._is_awake and not self._is_ending:
-            self._is_awake = True
-            self._executor.create_task(self._send)
-
-    def _send(self) -> None:
-        self._is_awake = False
-        for key in list(self._outputs):
-            try:
-                self._outputs[key].send()
-            except Exception:  # of a message that has other fields than its type, for one
-                self._refused.add(key)
-                self._outputs.pop(key).close()
-                logger.exception("%s is no longer a topic of ROS 2", key.topic)
-
     def _tell_missing(self) -> None:
         """Logs which packages of types are missing, in one line each."""
         for package, names in sorted(self._missing.items()):
@@ -189,7 +181,8 @@ class Ros2Node:
             level = logging.INFO if package == simulation_types.PACKAGE else logging.WARNING
             logger.log(
                 level,
-                "ROS 2 has no package %s, so %s left out, such as %s (docs/ros2.md)",
+                "ROS 2 has no package %s, or another version, so %s left out, such as %s "
+                "(docs/ros2.md)",
                 *(package, "1 name is" if len(names) == 1 else f"{len(names)} names are", names[0]),
             )
 
@@ -203,6 +196,20 @@ class Ros2Node:
                 "services may reach either; end one, or set ROS_DOMAIN_ID",
                 *(self.node.get_fully_qualified_name(), self.domain),
             )
+
+    # On a thread of its own
+
+    def _send(self) -> None:
+        """Sends messages, until the node is closed."""
+        for key in iter(self._ready.get, None):
+            with self._lock:
+                try:
+                    if key in self._outputs:
+                        self._outputs[key].send()
+                except Exception:  # of a message that has other fields than its type, for one
+                    self._refused.add(key)
+                    self._outputs.pop(key).close()
+                    logger.exception("%s is no longer a topic of ROS 2", key.topic)
 
 
 def distribution() -> str:

@@ -129,7 +129,8 @@ class Parameters:
         self._names.append(name)
         value = _DEFAULTS.get(name, default)
         if self._node.has_parameter(name):
-            value = self._node.get_parameter(name).value
+            given = self._node.get_parameter(name).value
+            value = value if given == "" else given  # of a launch argument that is not given
             self._node.undeclare_parameter(name)
         descriptor = ParameterDescriptor(dynamic_typing=True, read_only=name not in _SETTABLE)
         self._node.declare_parameter(name, value, descriptor, ignore_override=True)

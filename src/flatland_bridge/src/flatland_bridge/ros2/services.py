@@ -4,12 +4,15 @@ import logging
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from functools import partial
-from typing import Any, Dict, List
+from typing import Any, Callable, Dict, List
 
 from rclpy.node import Node
 
+from flatland_bridge import simulation_types
 from flatland_bridge.client_calls import reason_of
 from flatland_bridge.graph import Graph
+from flatland_bridge.ros2 import simulate_steps
+from flatland_bridge.ros2.simulate_steps import SimulateSteps
 from flatland_bridge.ros2.types import MissingType, Types, interface
 from flatland_server.messages.service_types import ServiceType
 
@@ -17,10 +20,11 @@ logger = logging.getLogger(__name__)
 
 _MOST_CALLS = 50
 """Calls that go on at the same time; some wait for simulated time. Others are refused."""
+_STEPS = simulation_types.message("SimulatorFeatures").STEP_SIMULATION_ACTION
 
 
 class Services:
-    """Offers all services of a graph.
+    """Offers all services of a graph, and the action that ROS 2 has besides.
 
     Args:
         node: node of ROS 2 that offers the services.
@@ -32,20 +36,29 @@ class Services:
     def __init__(
         self, node: Node, graph: Graph, types: Types, missing: Dict[str, List[str]]
     ) -> None:
+        self._node = node
         self._graph = graph
         self._types = types
         self._pool = ThreadPoolExecutor(_MOST_CALLS, "call")
         self._going_on = 0
-        for name, kind in sorted(graph.services.items()):
+        self._offered: Dict[str, Any] = {}
+        offers: Dict[str, Callable[[], Any]] = {
+            name: partial(self._offer, name, kind) for name, kind in graph.services.items()
+        }
+        offers[simulate_steps.NAME] = partial(SimulateSteps, node, graph)
+        for name, offer in sorted(offers.items()):
             try:
-                service = node.create_service(
-                    interface(kind.name, "srv"), name[1:], partial(self._begin, name, kind)
-                )
+                self._offered[name] = offer()
             except MissingType as error:
                 missing.setdefault(error.package, []).append(name)
-                continue
-            # rclpy sends what the callback returns, which is the response's future here.
-            service.send_response = partial(self._send_later, service.send_response)
+
+    def _offer(self, name: str, kind: ServiceType) -> Any:
+        service = self._node.create_service(
+            self._types.service(kind), name[1:], partial(self._begin, name, kind)
+        )
+        # rclpy sends what the callback returns, which is the response's future here.
+        service.send_response = partial(self._send_later, service.send_response)
+        return service
 
     def _begin(self, name: str, kind: ServiceType, request: Any, response: Any) -> "Future[Any]":
         """Begins a call. It is called on the thread of the executor, as `_send_later` is."""
@@ -73,6 +86,8 @@ class Services:
         """Makes a call, on a thread of the pool."""
         try:
             answer = self._graph.call(name, self._types.request(kind, request))
+            if name == "/get_simulator_features" and simulate_steps.NAME in self._offered:
+                answer.features.features.append(_STEPS)
             return self._types.response(kind, answer)
         except Exception as error:  # the caller would wait for ever
             return self._failed(name, kind, reason_of(error, name))
@@ -93,3 +108,5 @@ class Services:
     def close(self) -> None:
         """Begins no further call."""
         self._pool.shutdown(wait=False)
+        if simulate_steps.NAME in self._offered:
+            self._offered[simulate_steps.NAME].close()

@@ -13,7 +13,8 @@ from rclpy.type_support import check_for_type_support
 
 from flatland2d.ros2_messages import Ros2Messages, Ros2Type
 from flatland_bridge.graph import BridgeError
-from flatland_server.messages.message_types import deserialized
+from flatland_bridge.plain_form import parse_type
+from flatland_server.messages.message_types import deserialized, get
 from flatland_server.messages.service_types import ServiceType
 from flatland_server.messages.wire_form import serialized
 
@@ -47,6 +48,18 @@ class Types:
         """
         return interface(kind._type, "msg"), self._messages.type_of(kind)
 
+    def service(self, kind: ServiceType) -> Any:
+        """The class of a service.
+
+        Raises:
+            MissingType: ROS 2 has no such type, or one with other fields.
+        """
+        cls = interface(kind.name, "srv")
+        parts = ((cls.Request, kind.request), (cls.Response, kind.response))
+        if not all(_has_fields(*part) for part in parts):
+            raise MissingType(kind.name)
+        return cls
+
     def request(self, kind: ServiceType, request: Any) -> Any:
         """A request of rclpy as one of the simulation."""
         data = self._messages.type_of(kind.request).from_cdr(serialize_message(request))
@@ -76,3 +89,19 @@ def interface(name: str, folder: str) -> Any:
     except Exception:  # of many kinds, by distribution
         raise MissingType(name) from None
     return cls
+
+
+def _has_fields(cls: Any, kind: Any) -> bool:
+    """True if a class of rclpy has the fields of a type here, also those in its own package.
+
+    Packages have versions: ROS 2 may have an older one than this.
+    """
+    if list(cls.get_fields_and_field_types()) != [name.lower() for name in kind.__slots__]:
+        return False
+    package = kind._type.partition("/")[0]
+    nested = {parse_type(each).base for each in kind._slot_types}
+    return all(
+        _has_fields(interface(name, "msg"), get(name))
+        for name in nested
+        if name.startswith(f"{package}/") and not name.endswith("/Header")
+    )

@@ -67,7 +67,7 @@ class ServerConfig(NamedTuple):
         simplify_map = get("~simplify_map", 0)
         if isinstance(simplify_map, bool) or simplify_map not in range(len(TOLERANCES)):
             raise FlatlandError(f"~simplify_map: expected 0, 1 or 2, found {simplify_map}")
-        no_return = get("~no_return", "inf")
+        no_return = str(get("~no_return", "inf"))  # ROS 2 reads inf and nan as numbers
         if no_return not in ("inf", "nan", "max"):
             raise FlatlandError(f"~no_return: expected inf, nan or max, found {no_return}")
         odom_topic = get("~odom_topic", "odometry/filtered")
