@@ -7,7 +7,7 @@ import numpy as np
 from flatland2d.batch.robot import PluginRole
 from flatland_server import _core
 from flatland_server.arrays import IntArray
-from flatland_server.plugins.plugin_factory import plugin_rng
+from flatland_server.plugins import plugin_rng
 
 
 class BatchRandomness:

@@ -5,8 +5,8 @@ from typing import Any, List, Mapping, Optional
 from flatland2d.simulation import Simulation
 from flatland_server import _core
 from flatland_server.arrays import FloatArray
-from flatland_server.plugins.plugin_loader import PluginLoader
-from flatland_server.simulation.world import World
+from flatland_server.plugins import PluginLoader
+from flatland_server.simulation import World
 
 
 class BatchView:

@@ -11,7 +11,7 @@ from rclpy.node import Node
 from flatland_bridge.client_calls import reason_of
 from flatland_bridge.graph import Graph
 from flatland_bridge.ros2.types import MissingType, Types, interface
-from flatland_server.messages.service_types import ServiceType
+from flatland_server.messages import ServiceType
 
 logger = logging.getLogger(__name__)
 
