@@ -16,7 +16,7 @@ import numpy as np
 import yaml
 
 from flatland_server.arrays import FloatArray, npy_array
-from flatland_server.config.input_files import MAX_IMAGE, MAX_YAML, read_input, replacing
+from flatland_server.config import MAX_IMAGE, MAX_YAML, read_input, replacing
 from flatland_server.exceptions import FlatlandError, listed
 
 START = (-2.25, 3.0, 1.57)  # m, m, rad

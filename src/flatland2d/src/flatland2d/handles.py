@@ -16,10 +16,9 @@ from flatland_server.exceptions import (
     suggestion,
 )
 from flatland_server.geometry import Pose, Velocity
-from flatland_server.models.model import Model
-from flatland_server.plugins.model_plugin import ModelPlugin
-from flatland_server.plugins.plugin import Plugin
-from flatland_server.simulation.history import RunWithHistory
+from flatland_server.models import Model
+from flatland_server.plugins import ModelPlugin, Plugin
+from flatland_server.simulation import RunWithHistory
 from flatland_server.timekeeper import Timekeeper
 
 Reading = TypeVar("Reading")

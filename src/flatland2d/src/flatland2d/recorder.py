@@ -28,17 +28,13 @@ from typing import (
 from flatland2d.recording_file import RecordingFile
 from flatland2d.recording_format import Channel
 from flatland_server.arguments import several
-from flatland_server.config.ros_names import is_topic
+from flatland_server.config import is_topic
 from flatland_server.exceptions import MessageError, RecordingError, shortened
 from flatland_server.geometry import Transform
-from flatland_server.hub.map_to_odom import MapToOdom
-from flatland_server.messages.message_types import get
-from flatland_server.messages.wire_form import serialized
+from flatland_server.hub import MapToOdom
+from flatland_server.messages import get, serialized
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.transport.frame_registry import OdometryFrame
-from flatland_server.transport.local_transport import LocalTransport
-from flatland_server.transport.serialized_transforms import TransformQueue
-from flatland_server.transport.tap import Tap
+from flatland_server.transport import LocalTransport, OdometryFrame, Tap, TransformQueue
 
 if TYPE_CHECKING:
     from flatland2d.ros2_messages import Ros2Messages

@@ -18,7 +18,7 @@ from flatland2d.bag_format import BagFormat
 from flatland2d.mcap_format import McapFormat
 from flatland2d.recording_format import Channel, Damaged, Format, Recorded
 from flatland_server.arguments import shown
-from flatland_server.config.input_files import open_regular, require_free
+from flatland_server.config import open_regular, require_free
 from flatland_server.exceptions import RecordingError, UsageError, listed
 
 CHUNK_SIZE = 1 << 20

@@ -5,11 +5,9 @@ from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from flatland_server import _core
 from flatland_server.exceptions import ModelError, listed, shortened, suggestion
-from flatland_server.models.model import Model
-from flatland_server.plugins.batch_role import BatchRole, CoreDrive, CoreLidar
-from flatland_server.plugins.model_plugin import ModelPlugin
-from flatland_server.plugins.plugin import Plugin
-from flatland_server.simulation.world import World
+from flatland_server.models import Model
+from flatland_server.plugins import BatchRole, CoreDrive, CoreLidar, ModelPlugin, Plugin
+from flatland_server.simulation import World
 
 
 class Robot(NamedTuple):

@@ -5,12 +5,10 @@ from typing import Any, Dict, Iterable
 from flatland_server.arguments import shown
 from flatland_server.exceptions import TopicError, UsageError, listed, shortened, suggestion
 from flatland_server.geometry import Transform
-from flatland_server.messages.conversions import transform_of
-from flatland_server.simulation.history import RunWithHistory
-from flatland_server.simulation.world import World
+from flatland_server.messages import transform_of
+from flatland_server.simulation import RunWithHistory, World
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.transport.local_transport import LocalTransport
-from flatland_server.transport.topic_registry import type_name
+from flatland_server.transport import LocalTransport, type_name
 
 TF = "/tf"
 

@@ -26,10 +26,10 @@ from flatland_server.arguments import folders_of, params_of, several, shown, who
 from flatland_server.arrays import FloatArray, PoseLike, UInt8Array
 from flatland_server.canvas import Points
 from flatland_server.exceptions import ModelError, UsageError, listed, shortened, suggestion
-from flatland_server.models.model import Model
-from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.models import Model
+from flatland_server.plugins import PluginLoader
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.transport.local_transport import LocalTransport
+from flatland_server.transport import LocalTransport
 
 if TYPE_CHECKING:  # imported when they are needed
     from flatland2d.batch.simulation_batch import SimulationBatch

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import List, Optional, Tuple
 
 from flatland_server.geometry import Point
-from flatland_server.models.entity import Entity
-from flatland_server.simulation.world import World
+from flatland_server.models import Entity
+from flatland_server.simulation import World
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,11 @@ from pathlib import Path
 from typing import Any, Dict, Mapping, Optional, Sequence, Union
 
 from flatland_server.arguments import folders_of, params_of
-from flatland_server.config.shipped_worlds import find_world
-from flatland_server.config.yaml_preprocessor import YamlPreprocessor
-from flatland_server.config.yaml_reader import YamlReader
+from flatland_server.config import YamlPreprocessor, YamlReader, find_world
 from flatland_server.exceptions import UsageError, shortened
-from flatland_server.maps.map_reader import MapConfig
-from flatland_server.models.layer import LayerConfig
-from flatland_server.transport.local_transport import LocalTransport
+from flatland_server.maps import MapConfig
+from flatland_server.models import LayerConfig
+from flatland_server.transport import LocalTransport
 
 
 def world_content(

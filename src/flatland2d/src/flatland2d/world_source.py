@@ -7,14 +7,12 @@ from pathlib import Path
 from typing import Any, Mapping, Optional, Sequence, Union
 
 from flatland_server.arguments import shown
-from flatland_server.config.shipped_worlds import find_world
-from flatland_server.config.yaml_preprocessor import YamlPreprocessor
+from flatland_server.config import YamlPreprocessor, find_world
 from flatland_server.exceptions import UsageError
-from flatland_server.maps.simplify_outlines import TOLERANCES
-from flatland_server.plugins.plugin_loader import PluginLoader
-from flatland_server.simulation.world import World
-from flatland_server.simulation.world_config import WorldConfig
-from flatland_server.transport.transport import Transport
+from flatland_server.maps import TOLERANCES
+from flatland_server.plugins import PluginLoader
+from flatland_server.simulation import World, WorldConfig
+from flatland_server.transport import Transport
 
 WorldSource = Union[str, "os.PathLike[str]", Mapping[str, Any], WorldConfig]
 """The name of a shipped world, the path of a world file, the content of one as a dict, or a

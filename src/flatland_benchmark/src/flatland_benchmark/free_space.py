@@ -10,7 +10,7 @@ from PIL import Image
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, FloatArray
 from flatland_server.geometry import Pose
-from flatland_server.maps.wall_outlines import bright_pixels
+from flatland_server.maps import bright_pixels
 
 
 class FreeSpace(NamedTuple):

@@ -8,11 +8,11 @@ import time
 from pathlib import Path
 from typing import Callable, List
 
-from flatland_server.hub.server_config import positive_param
+from flatland_server.hub import positive_param
 from flatland_server.ros.launch_arguments import check_launch_arguments, parent_command_line
 from flatland_server.ros.server import run_node
 from flatland_server.ros.server_parameters import param
-from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.simulation import SimulationManager
 
 DURATION = 20.0
 """Simulated time by default [s]."""

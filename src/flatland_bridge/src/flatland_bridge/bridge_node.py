@@ -7,9 +7,8 @@ from flatland_bridge.ros_graph import RosGraph
 from flatland_bridge.server import FOXGLOVE, ROSBRIDGE, serve_clients
 from flatland_bridge.websocket_server import Access
 from flatland_server.exceptions import FlatlandError
-from flatland_server.hub.server_config import positive_param
-from flatland_server.ros import rospy_patches
-from flatland_server.ros.server_parameters import param
+from flatland_server.hub import positive_param
+from flatland_server.ros import rospy_patches, server_parameters
 
 _PERIOD = 0.5
 """Real time between two looks for new topics and services [s]."""
@@ -30,7 +29,9 @@ def main() -> int:
         if not access.is_local:
             rospy.logwarn("everyone who can reach %s can control the simulation", access.host)
         graph.update()
-        memory = int(positive_param(param, "~client_memory", CLIENT_MEMORY / 1e6) * 1e6)
+        memory = int(
+            positive_param(server_parameters.param, "~client_memory", CLIENT_MEMORY / 1e6) * 1e6
+        )
         ports = (rospy.get_param("~port", 9090), rospy.get_param("~foxglove_port", 8765))
         clients = serve_clients(graph, *map(int, ports), access, memory)
     except FlatlandError as error:

@@ -12,9 +12,9 @@ import orjson
 from flatland_bridge.graph import BridgeError
 from flatland_bridge.outbox import Data
 from flatland_bridge.plain_form import TYPED_ARRAYS, shown
-from flatland_server.config.ros_names import is_topic
+from flatland_server.config import is_topic
 from flatland_server.exceptions import shortened
-from flatland_server.transport.local_transport import absolute_name
+from flatland_server.transport import absolute_name
 
 try:
     cbor2.loads(b"\xf6", semantic_decoders={}, strict_hashable_types=True)

@@ -31,8 +31,7 @@ from flatland_bridge.outbox import Data, Outbox, Send, Stream
 from flatland_bridge.plain_form import from_plain, plain_text, to_plain
 from flatland_bridge.sample import Sample
 from flatland_server.exceptions import FlatlandError, MessageError, shortened
-from flatland_server.messages.message_types import deserialized, get
-from flatland_server.messages.wire_form import serialized
+from flatland_server.messages import deserialized, get, serialized
 
 SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
 """Equal in all that is used here."""

@@ -7,7 +7,7 @@ from flatland_bridge.budget import Budget
 from flatland_bridge.parameters import Parameters
 from flatland_bridge.sample import Sample
 from flatland_server.exceptions import FlatlandError, suggestion
-from flatland_server.messages.service_types import ServiceType
+from flatland_server.messages import ServiceType
 
 
 class BridgeError(FlatlandError):

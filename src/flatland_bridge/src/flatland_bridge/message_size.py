@@ -8,8 +8,7 @@ from typing import Any, Callable, List, NamedTuple, Tuple
 import numpy as np
 
 from flatland_bridge.plain_form import parse_type
-from flatland_server.messages.definition import NUMBERS
-from flatland_server.messages.message_types import get
+from flatland_server.messages import NUMBERS, get
 
 _OBJECT, _NUMBER, _POINTER = 56, 32, 8
 """Bytes of an object of Python without its fields, of a number, and of a reference."""

@@ -15,9 +15,15 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 import numpy as np
 
 from flatland_server.exceptions import MessageError, shortened, suggestion
-from flatland_server.messages.definition import INTEGERS, NUMBERS, FieldType
-from flatland_server.messages.message_types import TYPES, get
-from flatland_server.messages.object_budget import ObjectBudget, objects_in
+from flatland_server.messages import (
+    INTEGERS,
+    NUMBERS,
+    TYPES,
+    FieldType,
+    ObjectBudget,
+    get,
+    objects_in,
+)
 
 _BYTES = ("uint8", "char")
 _FLOATS = ("float32", "float64")

@@ -16,10 +16,9 @@ from flatland_bridge.parameters import ParameterError, Parameters
 from flatland_bridge.ros_services import RosServices
 from flatland_bridge.sample import Sample
 from flatland_server.exceptions import MessageError
-from flatland_server.messages import service_types
-from flatland_server.messages.message_types import get
+from flatland_server.messages import get, service_types
 from flatland_server.ros import raw_messages
-from flatland_server.ros.rospy_patches.master_calls import NO_ANSWER, Master
+from flatland_server.ros.rospy_patches import master_calls
 
 _ROSPY_SERVICES = ("/get_loggers", "/set_logger_level")  # of each node
 
@@ -32,7 +31,7 @@ class RosGraph(Graph):
 
     def __init__(self) -> None:
         uri = rosgraph.get_master_uri()
-        self._master = Master(uri)
+        self._master = master_calls.Master(uri)
         self.parameters = MasterParameters(uri)
         self._lock = threading.RLock()
         self._topics = Topics({}, {})
@@ -62,7 +61,7 @@ class RosGraph(Graph):
             uris = self._master.uris(set(nodes.values()))
             registrations = [(name, uris[node]) for name, node in nodes.items() if node in uris]
             self._services.follow(registrations, self._master)
-        except NO_ANSWER:
+        except master_calls.NO_ANSWER:
             pass
 
     @property
@@ -146,8 +145,8 @@ class MasterParameters(Parameters):
     def _ask(self, method: str, *arguments: Any, default: Any = None) -> Any:
         """The master's answer; the default if it says that there is no such parameter."""
         try:
-            return Master(self._uri).ask(method, *arguments, default=default)
-        except NO_ANSWER:
+            return master_calls.Master(self._uri).ask(method, *arguments, default=default)
+        except master_calls.NO_ANSWER:
             raise ParameterError("the ROS master does not answer") from None
 
 

@@ -20,10 +20,8 @@ from rosgraph.network import (
 from flatland_bridge.client_calls import client_is_gone
 from flatland_bridge.graph import BridgeError
 from flatland_server.exceptions import MessageError
-from flatland_server.messages import service_types
-from flatland_server.messages.message_types import deserialized
-from flatland_server.messages.wire_form import LENGTH, WRONG_VALUE, serialized
-from flatland_server.ros.rospy_patches.master_calls import Master
+from flatland_server.messages import LENGTH, WRONG_VALUE, deserialized, serialized, service_types
+from flatland_server.ros.rospy_patches import master_calls
 
 _ANSWER_LIMIT = 5.0
 """Real time that a server has to answer the header of a connection [s]."""
@@ -54,7 +52,7 @@ class RosServices:
         self._services: Dict[Registration, Service] = {}
         self._pauses: Dict[str, float] = {}  # until when a server is not asked, by its URI
 
-    def follow(self, registrations: List[Registration], master: Master) -> None:
+    def follow(self, registrations: List[Registration], master: master_calls.Master) -> None:
         """Asks for the types of services that are new, or of servers that did not answer before.
 
         Args:

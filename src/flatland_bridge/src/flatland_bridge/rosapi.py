@@ -8,9 +8,7 @@ import orjson
 from flatland_bridge.client_messages import decoded, field, name_of
 from flatland_bridge.graph import BridgeError, Graph
 from flatland_bridge.plain_form import parse_type, to_plain
-from flatland_server.messages.definition import NUMBERS
-from flatland_server.messages.message_types import get
-from flatland_server.messages.service_types import get as get_service
+from flatland_server.messages import NUMBERS, get, service_types
 
 Arguments = Mapping[str, Any]
 
@@ -102,7 +100,7 @@ class RosApi:
         return {"providers": sorted({node for name in of_type for node in nodes.get(name, ())})}
 
     def _service(self, asked: Arguments) -> Any:
-        return get_service(_text(asked, "type"))
+        return service_types.get(_text(asked, "type"))
 
     # Parameters: values are JSON in texts
 

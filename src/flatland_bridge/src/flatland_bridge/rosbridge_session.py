@@ -18,7 +18,7 @@ from flatland_bridge.plain_form import from_plain, to_plain
 from flatland_bridge.rosapi import RosApi
 from flatland_bridge.rosbridge_form import COMPRESSIONS, encoded, publisher
 from flatland_server.exceptions import FlatlandError, MessageError, shortened, suggestion
-from flatland_server.messages.message_types import get
+from flatland_server.messages import get
 
 _LEVELS = ("none", "error", "warning", "info")
 _MOST_TOPICS = 500

@@ -4,8 +4,7 @@ from collections import deque
 from typing import Any, Callable, Deque, Dict, Optional, Tuple
 
 from flatland_bridge.message_size import size_of
-from flatland_server.messages.message_types import deserialized
-from flatland_server.messages.wire_form import serialized
+from flatland_server.messages import deserialized, serialized
 
 _ENTRY = 1000
 """Bytes of a message without its content."""

@@ -18,9 +18,8 @@ from flatland_bridge.shared_transport import SharedTransport
 from flatland_bridge.simulated_graph import SimulatedGraph
 from flatland_bridge.websocket_server import MOST_CLIENTS, Access, Endpoint, WebSocketServer
 from flatland_server.exceptions import MissingPackageError, pip_install
-from flatland_server.messages.stamps import set_stamp_offset
-from flatland_server.simulation.simulation_manager import SimulationManager
-from flatland_server.simulation.wall_timekeeper import WallTimekeeper
+from flatland_server.messages import set_stamp_offset
+from flatland_server.simulation import SimulationManager, WallTimekeeper
 from flatland_server.timekeeper import Timekeeper
 
 if TYPE_CHECKING:

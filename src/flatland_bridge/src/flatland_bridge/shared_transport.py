@@ -11,11 +11,15 @@ from typing import Counter as CounterType
 from flatland_bridge.client_calls import let_the_next_begin
 from flatland_bridge.graph import NODE, BridgeError
 from flatland_bridge.parameters import LocalParameters
-from flatland_server.hub.failures import Failures
-from flatland_server.transport.local_transport import LocalTransport
-from flatland_server.transport.served_transport import ServedTransport
-from flatland_server.transport.topic_registry import ANY_TYPE, type_name
-from flatland_server.transport.transport import Publisher, Subscription
+from flatland_server.hub import Failures
+from flatland_server.transport import (
+    ANY_TYPE,
+    LocalTransport,
+    Publisher,
+    ServedTransport,
+    Subscription,
+    type_name,
+)
 
 T = TypeVar("T")
 

@@ -12,19 +12,14 @@ from flatland_bridge.message_size import size_of
 from flatland_bridge.sample import Sample
 from flatland_bridge.shared_transport import SharedTransport
 from flatland_bridge.simulation_interfaces import SimulationInterfaces
-from flatland_server.config.shipped_worlds import shipped_worlds
+from flatland_server.config import shipped_worlds
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Transform
-from flatland_server.hub.assembly import open_hub
-from flatland_server.hub.client_files import ClientFiles
-from flatland_server.messages.message_types import get
-from flatland_server.messages.service_types import ServiceType
-from flatland_server.messages.stamps import stamp_offset
+from flatland_server.hub import ClientFiles, open_hub
+from flatland_server.messages import ServiceType, get, stamp_offset
 from flatland_server.real_time_timer import RealTimeTimer
-from flatland_server.simulation.simulation_manager import SimulationManager
-from flatland_server.simulation.world import World
-from flatland_server.transport.serialized_transforms import TransformQueue
-from flatland_server.transport.tap import Tap
+from flatland_server.simulation import SimulationManager, World
+from flatland_server.transport import Tap, TransformQueue
 
 TFMessage = get("tf2_msgs/TFMessage")
 

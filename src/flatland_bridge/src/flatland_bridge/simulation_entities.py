@@ -7,15 +7,12 @@ from typing import Any, Dict, List, Tuple
 
 from flatland_bridge import simulation_types
 from flatland_bridge.simulation_results import Calls, Failure, Result, path_of, with_result
-from flatland_server.config.ros_names import namespace_problem, topic_name_problem
+from flatland_server.config import namespace_problem, topic_name_problem
 from flatland_server.exceptions import ModelError, YamlError, shortened
 from flatland_server.geometry import Pose
-from flatland_server.hub.client_files import told
-from flatland_server.hub.hub import Action, Hub
-from flatland_server.hub.map_to_odom import FRAME_ID
-from flatland_server.messages import fill_pose, fill_twist, header, yaw_of
-from flatland_server.messages.message_types import get
-from flatland_server.models.model import Model
+from flatland_server.hub import FRAME_ID, Action, Hub, told
+from flatland_server.messages import fill_pose, fill_twist, get, header, yaw_of
+from flatland_server.models import Model
 
 _Pose2D = get("geometry_msgs/Pose2D")
 _Resource = simulation_types.message("Resource")

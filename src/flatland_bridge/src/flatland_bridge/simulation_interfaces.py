@@ -7,8 +7,7 @@ from flatland_bridge import simulation_types
 from flatland_bridge.simulation_entities import EntityServices
 from flatland_bridge.simulation_results import Calls, Failure, Result, path_of, with_result
 from flatland_server.exceptions import YamlError
-from flatland_server.hub.client_files import told
-from flatland_server.hub.hub import Hub
+from flatland_server.hub import Hub, told
 
 _Resource = simulation_types.message("Resource")
 _Features = simulation_types.message("SimulatorFeatures")

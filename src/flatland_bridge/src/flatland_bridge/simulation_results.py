@@ -4,8 +4,7 @@ from typing import Any, Dict, Mapping, Optional
 
 from flatland_bridge import simulation_types
 from flatland_server.exceptions import FlatlandError
-from flatland_server.hub.client_files import told
-from flatland_server.hub.hub import Action, Service
+from flatland_server.hub import Action, Service, told
 
 Result = simulation_types.message("Result")
 

@@ -6,9 +6,7 @@ the standard, so that type hashes agree.
 
 from typing import Any
 
-from flatland_server.messages.message_types import add, get
-from flatland_server.messages.service_types import ServiceType
-from flatland_server.messages.standard_definitions import written_out
+from flatland_server.messages import ServiceType, add, get, written_out
 
 PACKAGE = "simulation_interfaces"
 

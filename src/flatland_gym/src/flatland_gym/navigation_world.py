@@ -18,7 +18,7 @@ from flatland_gym.settings import NavigationSettings, WorldName
 from flatland_server import Segments, WorldConfig
 from flatland_server.arguments import params_of
 from flatland_server.exceptions import listed, suggestion
-from flatland_server.transport.local_transport import LocalTransport, absolute_name
+from flatland_server.transport import LocalTransport, absolute_name
 
 PARKING = 5000.0
 """x and y [m] for models out of play: far from all walls, beyond the range of any lidar."""

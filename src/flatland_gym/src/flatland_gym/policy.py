@@ -17,7 +17,7 @@ from flatland_gym.observations import NEIGHBOR, neighbor_rows
 from flatland_server import Float32Array, FloatArray, PoseLike
 from flatland_server._core import GoalObserver
 from flatland_server.arrays import npy_array
-from flatland_server.config.input_files import MIB, read_input
+from flatland_server.config import MIB, read_input
 
 _FORMAT = "flatland policy 1"
 

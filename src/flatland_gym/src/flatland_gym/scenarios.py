@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Dict, Mapping, Tuple
 
-from flatland_server.config.shipped_worlds import SCENE_GOALS, find_world
+from flatland_server.config import SCENE_GOALS, find_world
 
 _WORLDS = Path(__file__).resolve().parent / "worlds"
 

@@ -14,7 +14,7 @@ from flatland_gym.maps import Maps
 from flatland_gym.navigation_world import NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings
 from flatland_server import Body, BoolArray, FloatArray, IntArray, ModelPlugin, Segments
-from flatland_server.simulation.world_state import WorldState
+from flatland_server.simulation import WorldState
 
 _ONLY = np.array([0])
 

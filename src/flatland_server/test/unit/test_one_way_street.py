@@ -34,6 +34,15 @@ CORE = ("flatland_server", "flatland2d")
 FRONTS = ("flatland_server/__init__.py", "flatland2d/__init__.py", "flatland2d/__main__.py")
 """The files that users start from: above all folders."""
 
+CLIENTS = (
+    "flatland2d",
+    "flatland_bridge",
+    "flatland_gym",
+    "flatland_navigation",
+    "flatland_plugins",
+    "flatland_viz",
+)
+"""Packages that import flatland_server through its fronts: packages and modules at the top."""
 OTHERS = ("flatland_benchmark", "flatland_gym", "flatland_plugins", "flatland_viz")
 
 IMPORT_MODULES = """
@@ -113,6 +122,20 @@ def message_imports(paths: List[Path]) -> List[str]:
         for line, name in imports(path)
         if name.partition(".")[0].endswith(("_msgs", "genpy"))
     ]
+
+
+def test_clients_import_the_server_through_its_fronts():
+    server = SRC / "flatland_server" / "src"
+    inside = [
+        f"{path.relative_to(SRC)}:{node.lineno}: imports {node.module}"
+        for package in CLIENTS
+        for path in sources(package)
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom)
+        and str(node.module).count(".") > 1
+        and server.joinpath(*str(node.module).split(".")).with_suffix(".py").exists()
+    ]
+    assert inside == []
 
 
 def test_ros_free_modules_need_no_ros():

@@ -8,7 +8,7 @@ from flatland_server._core import Walls
 from flatland_server.arguments import shown, whole_number
 from flatland_server.arrays import BoolArray, FloatArray, IntArray
 from flatland_server.exceptions import StateError, UsageError
-from flatland_server.simulation.world_state import WorldState
+from flatland_server.simulation import WorldState
 
 MAX_COORDINATE = 5e4
 """The greatest distance of a pose from the origin along x and y [m]."""

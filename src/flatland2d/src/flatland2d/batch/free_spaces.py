@@ -10,7 +10,7 @@ from flatland2d.robot import Robot
 from flatland_server.arguments import shown
 from flatland_server.arrays import FloatArray
 from flatland_server.exceptions import UsageError
-from flatland_server.simulation.world import World
+from flatland_server.simulation import World
 
 
 class FreeSpaces:

@@ -9,9 +9,8 @@ from flatland2d.batch.robot import PluginRole
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, FloatArray, IntArray, Segments
 from flatland_server.exceptions import PLUGIN_ERRORS, StateError
-from flatland_server.plugins.batch_role import BatchMotion
-from flatland_server.plugins.plugin_factory import plugin_rng
-from flatland_server.simulation.plugin_state import PluginState
+from flatland_server.plugins import BatchMotion, plugin_rng
+from flatland_server.simulation import PluginState
 from flatland_server.update_timer import UpdateTimer, due_after
 
 

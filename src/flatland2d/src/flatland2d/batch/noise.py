@@ -7,8 +7,7 @@ import numpy as np
 from flatland2d.robot import Robot
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray
-from flatland_server.plugins.batch_role import AddNoise
-from flatland_server.plugins.plugin_factory import plugin_rng
+from flatland_server.plugins import AddNoise, plugin_rng
 
 
 class BatchNoises:

@@ -11,10 +11,7 @@ from flatland2d.batch.worlds import BatchWorlds
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, FloatArray, IntArray, Segments
 from flatland_server.exceptions import UsageError
-from flatland_server.simulation.plugin_state import PluginState
-from flatland_server.simulation.world import World
-from flatland_server.simulation.world_config import WorldConfig
-from flatland_server.simulation.world_state import WorldState
+from flatland_server.simulation import PluginState, World, WorldConfig, WorldState
 
 
 class BatchPlugins:

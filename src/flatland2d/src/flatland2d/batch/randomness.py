@@ -8,8 +8,8 @@ import numpy as np
 from flatland2d.batch.robot import PluginRole
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, IntArray
-from flatland_server.plugins.plugin_factory import plugin_rng
-from flatland_server.simulation.world import World
+from flatland_server.plugins import plugin_rng
+from flatland_server.simulation import World
 
 
 def find_scattered(

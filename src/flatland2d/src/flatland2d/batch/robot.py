@@ -5,10 +5,10 @@ from typing import List, NamedTuple, Sequence, Tuple
 from flatland2d.robot import Robot
 from flatland_server import _core
 from flatland_server.exceptions import PluginError, UsageError, listed
-from flatland_server.models.model import Model
-from flatland_server.plugins.batch_role import BatchRole
-from flatland_server.simulation.world import World
-from flatland_server.transport.local_transport import LocalTransport
+from flatland_server.models import Model
+from flatland_server.plugins import BatchRole
+from flatland_server.simulation import World
+from flatland_server.transport import LocalTransport
 
 
 class PluginRole(NamedTuple):

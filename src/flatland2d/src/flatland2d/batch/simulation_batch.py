@@ -45,13 +45,10 @@ from flatland_server.arguments import (
 )
 from flatland_server.arrays import ArrayLike, BoolArray, FloatArray, IntArray
 from flatland_server.exceptions import StateError, UsageError
-from flatland_server.plugins.plugin_loader import PluginLoader
-from flatland_server.simulation import saved_states
-from flatland_server.simulation.world import World
-from flatland_server.simulation.world_config import WorldConfig
-from flatland_server.simulation.world_state import WorldState
+from flatland_server.plugins import PluginLoader
+from flatland_server.simulation import World, WorldConfig, WorldState, saved_states
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.transport.local_transport import LocalTransport
+from flatland_server.transport import LocalTransport
 
 _MOST_STEPS = 2**31 - 1
 _SHOWN = 9

@@ -17,12 +17,11 @@ from flatland2d.robot import Robot
 from flatland_server import _core
 from flatland_server.arguments import shown
 from flatland_server.arrays import BoolArray, FloatArray, IntArray
-from flatland_server.config.yaml_reader import YamlReader
+from flatland_server.config import YamlReader
 from flatland_server.exceptions import FlatlandError, StateError, UsageError, listed, suggestion
-from flatland_server.models.model import ModelConfig
-from flatland_server.plugins.plugin_factory import plugin_rng
-from flatland_server.simulation.world import World
-from flatland_server.simulation.world_config import WorldConfig
+from flatland_server.models import ModelConfig
+from flatland_server.plugins import plugin_rng
+from flatland_server.simulation import World, WorldConfig
 
 Ranges = Mapping[str, Tuple[float, float]]
 """The least and the greatest value of each number, by its name: MODEL/PLUGIN/KEY or MODEL/BODY/KEY,

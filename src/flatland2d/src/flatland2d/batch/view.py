@@ -5,9 +5,8 @@ from typing import Any, Callable, List, Mapping, Optional, Tuple
 from flatland2d.simulation import Simulation
 from flatland_server import _core
 from flatland_server.arrays import FloatArray
-from flatland_server.plugins.plugin_loader import PluginLoader
-from flatland_server.simulation.world import World
-from flatland_server.simulation.world_config import WorldConfig
+from flatland_server.plugins import PluginLoader
+from flatland_server.simulation import World, WorldConfig
 
 
 class BatchView:

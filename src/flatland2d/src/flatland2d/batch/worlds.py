@@ -7,7 +7,7 @@ import numpy as np
 from flatland2d.batch.robot import PluginRole, require_unchanged_footprints
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, IntArray, Segments
-from flatland_server.simulation.world import World
+from flatland_server.simulation import World
 
 
 class BatchWorlds:

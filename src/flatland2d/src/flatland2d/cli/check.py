@@ -13,20 +13,13 @@ import numpy as np
 from flatland2d.cli.arguments import Subparsers, add_params
 from flatland2d.cli.plugin_problems import plugin_problems
 from flatland2d.rendering.renderer import Renderer, save
-from flatland_server.config.file_names import to_path
-from flatland_server.config.shipped_worlds import shipped_worlds
-from flatland_server.config.yaml_preprocessor import YamlPreprocessor
-from flatland_server.config.yaml_reader import YamlReader
+from flatland_server.config import YamlPreprocessor, YamlReader, shipped_worlds, to_path
 from flatland_server.exceptions import FlatlandError, YamlError
 from flatland_server.geometry import Pose
-from flatland_server.maps.map_reader import read_map
-from flatland_server.models.collision_filter_registry import AnyLayer, CollisionFilterRegistry
-from flatland_server.models.layer import LayerConfig
-from flatland_server.models.model import ModelConfig
-from flatland_server.simulation.world import World
-from flatland_server.simulation.world_config import ModelEntry, WorldConfig
-from flatland_server.transport.local_transport import LocalTransport
-from flatland_server.transport.transport import Transport
+from flatland_server.maps import read_map
+from flatland_server.models import AnyLayer, CollisionFilterRegistry, LayerConfig, ModelConfig
+from flatland_server.simulation import ModelEntry, World, WorldConfig
+from flatland_server.transport import LocalTransport, Transport
 
 _MAP_NAME = "map"
 """The name of the layer in which a map alone is shown."""

@@ -5,9 +5,9 @@ from pathlib import Path
 
 from flatland2d.cli.arguments import Subparsers, not_negative
 from flatland2d.rendering.line_map_picture import save_line_map_picture
-from flatland_server.config.file_names import to_path
+from flatland_server.config import to_path
 from flatland_server.exceptions import FlatlandError
-from flatland_server.maps.line_map import LineMap
+from flatland_server.maps import LineMap
 
 
 def add_parser(commands: Subparsers) -> None:

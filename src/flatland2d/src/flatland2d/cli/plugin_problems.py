@@ -9,18 +9,12 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Dict, List, Sequence
 
-from flatland_server.config.yaml_preprocessor import YamlPreprocessor
-from flatland_server.config.yaml_reader import YamlReader
+from flatland_server.config import YamlPreprocessor, YamlReader
 from flatland_server.exceptions import FlatlandError, Problem, YamlError
 from flatland_server.geometry import Pose
-from flatland_server.models.collision_filter_registry import AnyLayer
-from flatland_server.models.joint import JointConfig
-from flatland_server.models.model import ModelConfig
-from flatland_server.models.model_body import BodyConfig
-from flatland_server.models.plugin_config import PluginConfig
-from flatland_server.simulation.world import World
-from flatland_server.simulation.world_config import ModelEntry, WorldConfig
-from flatland_server.transport.transport import Transport
+from flatland_server.models import AnyLayer, BodyConfig, JointConfig, ModelConfig, PluginConfig
+from flatland_server.simulation import ModelEntry, World, WorldConfig
+from flatland_server.transport import Transport
 
 
 def plugin_problems(

@@ -9,7 +9,7 @@ from flatland2d.browser import open_in_browser
 from flatland2d.cli.arguments import Subparsers, add_world, positive, whole_from
 from flatland2d.cli.run import interrupts
 from flatland2d.cli.serve import bridge
-from flatland_server.config.shipped_worlds import shipped_worlds
+from flatland_server.config import shipped_worlds
 
 
 def add_parser(commands: Subparsers) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from flatland2d.barn import read_barn, write_barn
 from flatland2d.cli.arguments import Subparsers
-from flatland_server.config.shipped_worlds import shipped_worlds
+from flatland_server.config import shipped_worlds
 from flatland_server.exceptions import counted
 
 

@@ -10,7 +10,7 @@ from flatland2d.rendering.svg_canvas import SvgCanvas
 from flatland2d.rendering.view import View, fitting_size
 from flatland_server.canvas import Canvas
 from flatland_server.exceptions import FlatlandError
-from flatland_server.maps.line_map import LineMap
+from flatland_server.maps import LineMap
 
 _LONGER_SIDE = 2400  # px
 _BACKGROUND = (1.0, 1.0, 1.0, 1.0)

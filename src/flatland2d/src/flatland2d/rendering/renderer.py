@@ -16,7 +16,7 @@ from flatland2d.rendering.view import Size, View, fitting_size
 from flatland_server.arrays import UInt8Array
 from flatland_server.canvas import Canvas, Points
 from flatland_server.exceptions import FlatlandError
-from flatland_server.simulation.world import World
+from flatland_server.simulation import World
 from flatland_server.timekeeper import Timekeeper
 
 LONGER_SIDE = 1600

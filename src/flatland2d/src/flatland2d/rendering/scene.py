@@ -9,11 +9,8 @@ import numpy as np
 from flatland2d.rendering.view import View
 from flatland_server.canvas import Canvas, Points, Rgba
 from flatland_server.geometry import Point
-from flatland_server.models.footprint import Circle
-from flatland_server.models.layer import Layer
-from flatland_server.models.model import Model
-from flatland_server.models.model_body import ModelBody
-from flatland_server.simulation.world import World
+from flatland_server.models import Circle, Layer, Model, ModelBody
+from flatland_server.simulation import World
 
 BACKGROUND: Rgba = (238 / 255, 238 / 255, 236 / 255, 1.0)
 """The background colour of flatland_viz."""

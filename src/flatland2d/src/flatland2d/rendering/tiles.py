@@ -10,7 +10,7 @@ from flatland2d.rendering.scene import BACKGROUND, draw_ground, draw_walls
 from flatland2d.rendering.view import View
 from flatland_server.arrays import Segments
 from flatland_server.canvas import Rgba
-from flatland_server.models.layer import Layer
+from flatland_server.models import Layer
 
 _SIDE = 512  # px
 _KEPT = 40  # tiles; 0.8 MB each

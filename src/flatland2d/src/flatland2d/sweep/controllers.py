@@ -18,7 +18,7 @@ from typing import Any, Callable, Dict, Mapping, Optional
 
 from flatland2d.sweep.parameters import controller_arguments
 from flatland2d.sweep.settings import Controller
-from flatland_server.config.file_names import to_path
+from flatland_server.config import to_path
 from flatland_server.exceptions import FlatlandError, UsageError, suggestion
 
 POLICY_DRIVER = "flatland_gym.sweep_policy:drive"

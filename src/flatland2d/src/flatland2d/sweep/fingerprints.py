@@ -24,9 +24,8 @@ from flatland2d.sweep.parameters import (
     world_params,
 )
 from flatland2d.sweep.settings import Controller, Scenario, SweepSettings
-from flatland_server.config.input_files import MAX_IMAGE, read_input
-from flatland_server.config.yaml_preprocessor import YamlPreprocessor
-from flatland_server.maps.map_reader import MapConfig
+from flatland_server.config import MAX_IMAGE, YamlPreprocessor, read_input
+from flatland_server.maps import MapConfig
 
 _LENGTH = 16
 

@@ -15,12 +15,9 @@ from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Set, Tuple, Union
 
 from flatland2d.world_content import read_world_content
-from flatland_server.config.file_names import to_path
-from flatland_server.config.input_files import is_file
-from flatland_server.config.shipped_worlds import find_world
-from flatland_server.config.yaml_preprocessor import YamlPreprocessor
+from flatland_server.config import YamlPreprocessor, find_world, is_file, to_path
 from flatland_server.exceptions import FlatlandError, UsageError, listed, shortened, suggestion
-from flatland_server.transport.local_transport import absolute_name
+from flatland_server.transport import absolute_name
 
 _CONTROLLER = "controller."
 

@@ -17,10 +17,9 @@ import numpy as np
 from flatland_server.array_math import cos_sin, from_segments
 from flatland_server.arrays import FloatArray
 from flatland_server.geometry import Point
-from flatland_server.models.footprint import Circle
-from flatland_server.models.model import Model
-from flatland_server.plugins.plugin import Plugin
-from flatland_server.simulation.world import World
+from flatland_server.models import Circle, Model
+from flatland_server.plugins import Plugin
+from flatland_server.simulation import World
 
 ZONES = {"intimate_fraction": 0.45, "personal_fraction": 1.2, "social_fraction": 3.6}
 """The outer end of each zone [m]."""

@@ -18,7 +18,7 @@ from flatland2d.sweep.comparison import (
     task_of,
 )
 from flatland2d.sweep.metrics import SUMMARISED
-from flatland_server.config.input_files import MAX_IMAGE, read_input
+from flatland_server.config import MAX_IMAGE, read_input
 from flatland_server.exceptions import FlatlandError, listed
 
 LEVEL = 0.01

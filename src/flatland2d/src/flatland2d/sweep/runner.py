@@ -25,7 +25,7 @@ from flatland2d.sweep.shortest_path import shortest_path
 from flatland_server.arrays import FloatArray
 from flatland_server.exceptions import FlatlandError, UsageError, shortened
 from flatland_server.geometry import Point, Pose
-from flatland_server.simulation.world_config import WorldConfig
+from flatland_server.simulation import WorldConfig
 
 _KEPT_WORLDS = 4
 """The number of worlds that stay loaded; scenarios come world by world."""

@@ -9,9 +9,7 @@ from flatland2d.sweep.controllers import POLICY_DRIVER, python_file
 from flatland2d.sweep.parameters import combinations, count_combinations, world_file
 from flatland2d.sweep.settings import RANDOM, Controller, SweepSettings, SweepWorld, Task
 from flatland_server.arguments import steps_in
-from flatland_server.config.input_files import is_file
-from flatland_server.config.shipped_worlds import SCENE_GOALS
-from flatland_server.config.yaml_reader import YamlReader
+from flatland_server.config import SCENE_GOALS, YamlReader, is_file
 from flatland_server.exceptions import FlatlandError, UsageError, YamlError, shortened
 from flatland_server.timekeeper import Timekeeper
 

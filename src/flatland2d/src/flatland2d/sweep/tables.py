@@ -16,7 +16,7 @@ from flatland2d.sweep.metrics import SUMMARISED
 from flatland2d.sweep.run import ESTIMATE_ENDS, METRICS
 from flatland2d.sweep.runner import Result
 from flatland2d.sweep.settings import Scenario
-from flatland_server.config.input_files import replacing
+from flatland_server.config import replacing
 from flatland_server.exceptions import FlatlandError, MissingPackageError, pip_install
 
 BOOL, INT, FLOAT, STRING = "bool", "int64", "float64", "string"

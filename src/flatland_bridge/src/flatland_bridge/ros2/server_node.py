@@ -18,9 +18,8 @@ from flatland_bridge.ros2.node import TWISTS, Ros2Node
 from flatland_bridge.server import Server
 from flatland_bridge.websocket_server import Access
 from flatland_server.exceptions import FlatlandError, UsageError, counted, suggestion
-from flatland_server.hub.server_config import ServerConfig, positive
-from flatland_server.simulation.slow_plugin_watch import SlowPluginWatch
-from flatland_server.simulation.thread_priority import ThreadPriority
+from flatland_server.hub import ServerConfig, positive
+from flatland_server.simulation import SlowPluginWatch, ThreadPriority
 
 _DEFAULTS: Dict[str, Any] = {"static_tf": True}
 """Defaults that differ from those of ROS 1."""

@@ -14,7 +14,7 @@ from flatland_bridge.graph import Graph
 from flatland_bridge.ros2 import simulate_steps
 from flatland_bridge.ros2.simulate_steps import SimulateSteps
 from flatland_bridge.ros2.types import MissingType, Types, interface
-from flatland_server.messages.service_types import ServiceType
+from flatland_server.messages import ServiceType
 
 logger = logging.getLogger(__name__)
 

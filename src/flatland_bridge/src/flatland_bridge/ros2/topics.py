@@ -16,7 +16,7 @@ from flatland_bridge.outbox import Stream
 from flatland_bridge.ros2.types import Types
 from flatland_bridge.sample import Sample
 from flatland_server.exceptions import shortened
-from flatland_server.messages.message_types import deserialized, get
+from flatland_server.messages import deserialized, get
 
 logger = logging.getLogger(__name__)
 

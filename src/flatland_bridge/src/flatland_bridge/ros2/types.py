@@ -14,9 +14,7 @@ from rclpy.type_support import check_for_type_support
 from flatland2d.ros2_messages import Ros2Messages, Ros2Type
 from flatland_bridge.graph import BridgeError
 from flatland_bridge.plain_form import parse_type
-from flatland_server.messages.message_types import deserialized, get
-from flatland_server.messages.service_types import ServiceType
-from flatland_server.messages.wire_form import serialized
+from flatland_server.messages import ServiceType, deserialized, get, serialized
 
 
 class MissingType(BridgeError):
