@@ -26,8 +26,8 @@ logger = logging.getLogger(__name__)
 
 _DELETE = 1
 _ORIGIN = "origin"
-"""The control of feedback with the pose of a model's origin, as the window sends it. That of rviz has
-the pose of the marker, which is at the centre of the footprints."""
+"""The control of feedback with the pose of a model's origin, as the window sends it. rviz sends the
+pose of the marker, which is at the centre of the footprints."""
 _HANDLE_Z = 0.05
 """The height of handles [m]: above the outlines of models, since the mouse picks the topmost."""
 
