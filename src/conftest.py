@@ -33,13 +33,25 @@ def pytest_configure(config):
 
 
 def pytest_configure_node(node):
-    """Waits until a process is free.
+    """Waits until the main thread of a process is free: signals need it.
 
-    While a task ends, execnet gives the next one to another thread than the main one, which signals
-    need.
+    After a task has ended, it takes the main thread some time to be ready for another one, which
+    execnet gives to a new thread meanwhile.
     """
-    while node.gateway.remote_status().numexecuting:
-        pass
+    ready = node.gateway.newchannel()
+    node.gateway.remote_exec(TELL_WHEN_READY).send(ready)
+    ready.receive()
+
+
+TELL_WHEN_READY = """
+import threading, time
+def tell(ready, is_busy):
+    while is_busy():
+        time.sleep(0.001)
+    ready.send(None)
+is_busy = channel.gateway._execpool._primary_thread_task_ready.is_set
+threading.Thread(target=tell, args=(channel.receive(), is_busy), daemon=True).start()
+"""
 
 
 def pytest_collection_finish():

@@ -18,7 +18,7 @@ from nav_msgs.msg import OccupancyGrid, Odometry
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
 from rclpy.action import ActionClient
 from rclpy.parameter import Parameter
-from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Empty, Trigger
@@ -60,6 +60,8 @@ SHORT_LEASE = """
   </participant>
 </profiles></dds>
 """
+PATIENT = QoSProfile(depth=100)
+"""For a reader that must lose nothing while this process does something else for seconds."""
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 COMMANDS = {"jazzy": Twist}.get(distribution(), TwistStamped)
 
@@ -377,10 +379,11 @@ def test_a_second_server_is_told(server, starts, peer):
 
 def test_scans_of_ten_robots_reach_all_kinds_of_readers(start, peer):
     topics = ["/scan", *(f"/r{n}/scan" for n in range(1, 10))]
-    before = {topic: peer.received(LaserScan, topic) for topic in topics}  # reliable
+    before = {topic: peer.received(LaserScan, topic, PATIENT) for topic in topics}  # reliable
     start()
     peer.wait_until(lambda: all(before.values()), "the first scans")
-    after = {topic: peer.received(LaserScan, topic, qos_profile_sensor_data) for topic in topics}
+    best_effort = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
+    after = {topic: peer.received(LaserScan, topic, best_effort) for topic in topics}
     with subprocess.Popen(
         [sys.executable, "-c", STALLED, *topics], stdout=subprocess.PIPE
     ) as stalled:

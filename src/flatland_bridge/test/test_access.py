@@ -17,7 +17,7 @@ from flatland_bridge.outbox import MOST_MESSAGES, Stream
 from flatland_bridge.sample import Sample
 from flatland_bridge.server import FOXGLOVE, ROSBRIDGE
 from flatland_bridge.websocket_server import Access
-from flatland_server.config.shipped_worlds import shipped_worlds
+from flatland_server.config.worlds import shipped_worlds
 
 
 @pytest.mark.parametrize(

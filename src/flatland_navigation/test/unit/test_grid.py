@@ -8,7 +8,7 @@ import pytest
 
 from flatland_navigation.grid import Grid
 from flatland_navigation.parameters import read_walls
-from flatland_server.config.shipped_worlds import shipped_worlds
+from flatland_server.config.worlds import shipped_worlds
 
 ROOM = np.array([[0.0, 0, 4, 0], [4, 0, 4, 3], [4, 3, 0, 3], [0, 3, 0, 0]])
 

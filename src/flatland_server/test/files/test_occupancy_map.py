@@ -63,7 +63,7 @@ def test_walls_are_drawn():
 
 @pytest.mark.parametrize("world", ["office", "test_room"])
 def test_the_map_of_a_world(world, tmp_path):
-    from flatland_server.config.shipped_worlds import find_world
+    from flatland_server.config.worlds import find_world
 
     transport = LocalTransport()
     world = World.from_file(find_world(world), transport)

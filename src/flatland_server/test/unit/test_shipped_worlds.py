@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from flatland_server.config import shipped_worlds as module
-from flatland_server.config.shipped_worlds import find_world, shipped_worlds
+from flatland_server.config import worlds as module
+from flatland_server.config.worlds import find_world, shipped_worlds
 from flatland_server.exceptions import FlatlandError
 
 PACKAGE = Path(__file__).resolve().parents[2]

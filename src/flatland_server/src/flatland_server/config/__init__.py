@@ -12,7 +12,7 @@ from flatland_server.config.input_files import (
     require_free,
 )
 from flatland_server.config.ros_names import is_topic, namespace_problem, topic_name_problem
-from flatland_server.config.shipped_worlds import SCENE_GOALS, find_world, shipped_worlds
+from flatland_server.config.worlds import SCENE_GOALS, find_world, shipped_worlds
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
 

@@ -7,7 +7,7 @@ from typing import Any, Callable, Dict, NamedTuple, Optional, Tuple
 
 from flatland_server.config.file_names import to_path
 from flatland_server.config.ros_names import is_topic
-from flatland_server.config.shipped_worlds import shipped_worlds
+from flatland_server.config.worlds import shipped_worlds
 from flatland_server.exceptions import FlatlandError
 from flatland_server.maps.simplify_outlines import TOLERANCES
 
