@@ -19,9 +19,12 @@ void DynamicsLimits::Check() const {
 // `deceleration` in the first part, of `acceleration` in the second, and is constant after that.
 // The mean velocity is the integral of these three pieces.
 VelocityChange DynamicsLimits::Approach(Vec2 current, Vec2 target, double dt) const {
-  const double speed = std::hypot(target.x, target.y);
-  if (velocity > 0.0 && speed > velocity) target = velocity / speed * target;
+  if (velocity > 0.0) {
+    const double speed = std::hypot(target.x, target.y);
+    if (speed > velocity) target = velocity / speed * target;
+  }
   const Vec2 way = target - current;
+  if (way.x == 0.0 && way.y == 0.0) return {target, target};  // as in most steps
   const double length = std::hypot(way.x, way.y);
   // A length near the smallest number has no finite inverse.
   if (length < std::numeric_limits<double>::min()) return {target, target};
