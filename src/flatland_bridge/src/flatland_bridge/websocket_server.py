@@ -317,7 +317,7 @@ async def _dismiss(connection: ServerConnection, session: Session, reason: str) 
 
 
 _connections: Set[ServerConnection] = set()
-"""Those of all servers of this process."""
+"""The connections of all servers of this process."""
 
 
 class _Connection(ServerConnection):  # type: ignore[misc]

@@ -116,7 +116,7 @@ class NavigationWorld:
         names = _multiplied(content, inside, robots)
         greatest = {name: high for name, (_, high) in settings.vary.items()}
         config = with_values(WorldConfig.from_content(content), greatest)
-        parked = added.union(names if robots > 1 else ())  # of whose places nothing warns
+        parked = added.union(names if robots > 1 else ())  # they are out of the way: no warning
         entries = (replace(e, reader=None) if e.name in parked else e for e in config.models)
         config = replace(config, models=tuple(entries))
         with Simulation(config, params=settings.params) as simulation:

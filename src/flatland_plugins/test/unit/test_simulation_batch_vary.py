@@ -64,7 +64,7 @@ def worlds(tmp_path_factory):
 
 
 def with_value(content, name, value):
-    """A world whose files have a value."""
+    """The world with a value in its files."""
     content = copy.deepcopy(content)
     pattern, entry, *keys, last = name.split("/")
     for model in content["models"]:

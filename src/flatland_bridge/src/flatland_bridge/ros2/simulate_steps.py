@@ -10,6 +10,7 @@ from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.node import Node
 
 from flatland_bridge import simulation_types
+from flatland_bridge.client_calls import reason_of
 from flatland_bridge.graph import Graph
 from flatland_bridge.ros2.types import interface
 from flatland_bridge.simulation_results import Result
@@ -66,7 +67,7 @@ class SimulateSteps:
         result.result.result = Result.RESULT_OK
         with suppress(Exception):  # the node has ended
             for done in range(1, count + 1):
-                made = self._graph.call("/step_simulation", _REQUEST).result
+                made = self._step()
                 if goal.is_cancel_requested:
                     made = Result(Result.RESULT_OPERATION_FAILED, f"cancelled after {done} steps")
                 if made.result != Result.RESULT_OK:
@@ -77,6 +78,12 @@ class SimulateSteps:
                     self._type.Feedback(completed_steps=done, remaining_steps=count - done)
                 )
             self._end(goal, partial(self._finish, result))
+
+    def _step(self) -> Any:
+        try:
+            return self._graph.call("/step_simulation", _REQUEST).result
+        except Exception as error:  # the goal would go on for ever, and no other one be accepted
+            return Result(Result.RESULT_OPERATION_FAILED, reason_of(error, NAME))
 
     def _finish(self, result: Any, goal: Any) -> Any:
         """The result of a goal, which it ends; on the executor's thread."""
