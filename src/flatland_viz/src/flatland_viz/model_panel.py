@@ -1,8 +1,9 @@
 """The side panel: all models, and the details of the selected one."""
 
 import math
+from html import escape
 from pathlib import Path
-from typing import Any, Dict, List, Optional
+from typing import Dict, List, Optional
 
 from python_qt_binding.QtCore import QSize, Qt, QTimer
 from python_qt_binding.QtGui import QColor, QIcon, QKeySequence, QPainter, QPalette, QPixmap
@@ -26,8 +27,7 @@ from python_qt_binding.QtWidgets import (
     QWidget,
 )
 
-from flatland_viz.interaction import Interaction
-from flatland_viz.labels import ElidedLabel, QuietLabel, SelectableLabel, quiet
+from flatland_viz.labels import ElidedLabel, SelectableLabel
 from flatland_viz.model_actions import ModelActions
 from flatland_viz.model_list import Model, Topic, sorted_topics
 from flatland_viz.plot_launcher import HINT, offer_plots
@@ -47,9 +47,7 @@ _SELECTED = QColor(70, 76, 84)
 class ModelPanel(QDockWidget):
     """A list of the models, and the selected one's pose, speed, plugins, topics and actions."""
 
-    def __init__(
-        self, selection: Selection, interaction: Interaction, actions: ModelActions
-    ) -> None:
+    def __init__(self, selection: Selection, actions: ModelActions) -> None:
         super().__init__("Models")
         self.setObjectName("panel_models")
         self.setFeatures(QDockWidget.DockWidgetClosable | QDockWidget.DockWidgetMovable)
@@ -89,8 +87,8 @@ class ModelPanel(QDockWidget):
         content.setMinimumWidth(max(_WIDTH, self._details.least_width + left + right + bar))
         self.setWidget(content)
         self._list.currentItemChanged.connect(self._on_chosen)
-        selection.changed.connect(self._show_selected)
-        interaction.state_changed.connect(self._details.show_state)
+        selection.changed.connect(lambda name: self._show_selected())
+        selection.state_changed.connect(self._show_state)
         self._reader = QTimer(self)
         self._reader.timeout.connect(self._read_topics)
         self._reader.start(_READ_PERIOD)
@@ -141,14 +139,22 @@ class ModelPanel(QDockWidget):
     def _on_chosen(self, item: Optional[QListWidgetItem]) -> None:
         self._selection.select(item.text() if item is not None else "")
 
-    def _show_selected(self, *_: Any) -> None:
+    def _show_selected(self) -> None:
         name = self._selection.name
         found = self._list.findItems(name, Qt.MatchExactly) if name else []
         self._list.blockSignals(True)
         self._list.setCurrentItem(found[0] if found else None)
         self._list.blockSignals(False)
         self._details.show_model(self._models.get(name))
+        self._show_state()
         self._watch()
+
+    def _show_state(self) -> None:
+        state = self._selection.state
+        self._details.show_pose(
+            position(state["x"], state["y"], state["theta"]) if state else "",
+            velocity(state["vx"], state["vy"], state["omega"]) if state else "",
+        )
 
     def _watch(self) -> None:
         """Subscribes to the topics on display, and to none while the panel is hidden."""
@@ -168,8 +174,7 @@ class _Details(QWidget):
         super().__init__()
         column = QVBoxLayout(self)
         column.setContentsMargins(0, _MARGIN, 0, 0)
-        self._empty = QuietLabel("Click a model on the map or in the list.")
-        self._empty.setObjectName("model_none")
+        self._empty = QLabel("Click a model on the map or in the list.")
         self._empty.setWordWrap(True)
         self._empty.setAlignment(Qt.AlignTop | Qt.AlignLeft)
         self._content = QWidget()
@@ -177,7 +182,7 @@ class _Details(QWidget):
         column.addWidget(self._content, 1)
         rows = QVBoxLayout(self._content)
         rows.setContentsMargins(0, 0, 0, 0)
-        self._name = ElidedLabel(objectName="model_name")
+        self._name = ElidedLabel(Qt.ElideMiddle, objectName="model_name")
         font = self._name.font()
         font.setBold(True)
         font.setPointSizeF(1.15 * font.pointSizeF())
@@ -215,7 +220,7 @@ class _Details(QWidget):
         field = SelectableLabel(objectName=name)
         field.setWordWrap(True)
         field.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Preferred)  # never widens the panel
-        self._form.addRow(QuietLabel(text), field)
+        self._form.addRow(text, field)
         return field
 
     @property
@@ -228,10 +233,7 @@ class _Details(QWidget):
         self._content.setVisible(model is not None)
         if model is None:
             return
-        if model.name != self._name.text():
-            self._pose.clear()
-            self._speed.clear()
-        self._name.setText(model.name)
+        self._name.show_line(escape(model.name))
         self._namespace.setText(f"/{model.namespace}" if model.namespace else "\u2013")
         self._file.setText(label(Path(model.file)) if model.file else "\u2013")
         self._file.setToolTip(model.file)
@@ -251,10 +253,9 @@ class _Details(QWidget):
         """The height below which a scroll area scrolls, with the list of topics at its minimum."""
         return int(self._content.layout().minimumHeightForWidth(width)) + _MARGIN
 
-    def show_state(self, state: Dict[str, Any]) -> None:
-        if state:
-            self._pose.setText(position(state["x"], state["y"], state["theta"]))
-            self._speed.setText(velocity(state["vx"], state["vy"], state["omega"]))
+    def show_pose(self, pose: str, speed: str) -> None:
+        self._pose.setText(pose)
+        self._speed.setText(speed)
 
     def show_readings(self, readings: Dict[str, Reading]) -> None:
         for index in range(self._topics.topLevelItemCount()):
@@ -272,7 +273,6 @@ class _Details(QWidget):
             line = QTreeWidgetItem(item)
             item.setExpanded(True)
             line.setFirstColumnSpanned(True)
-        item.child(0).setForeground(0, quiet(self._topics.palette().color(QPalette.Text)))
         item.child(0).setText(0, value)
         item.child(0).setToolTip(0, value)
 
@@ -281,7 +281,7 @@ def _buttons(actions: ModelActions) -> QGridLayout:
     grid = QGridLayout()
     grid.setSpacing(4)
     for index, action in enumerate(actions.all):
-        button = QToolButton(objectName=action.objectName().replace("action", "button"))
+        button = QToolButton()
         button.setDefaultAction(action)
         button.setToolButtonStyle(Qt.ToolButtonTextOnly)
         button.setSizePolicy(QSizePolicy.Expanding, QSizePolicy.Fixed)
