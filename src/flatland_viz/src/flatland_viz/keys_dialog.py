@@ -78,4 +78,4 @@ class KeysDialog(QDialog):
         layout = QVBoxLayout(self)
         layout.addWidget(text)
         layout.addWidget(buttons)
-        self.resize(on_screen(780, 640))
+        self.resize(on_screen(860, 640))

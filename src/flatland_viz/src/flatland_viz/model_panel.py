@@ -1,6 +1,5 @@
 """The side panel: all models, and the details of the selected one."""
 
-import math
 from html import escape
 from pathlib import Path
 from typing import Dict, List, Optional
@@ -12,7 +11,6 @@ from python_qt_binding.QtWidgets import (
     QFormLayout,
     QFrame,
     QGridLayout,
-    QHeaderView,
     QLabel,
     QLineEdit,
     QListWidget,
@@ -21,8 +19,6 @@ from python_qt_binding.QtWidgets import (
     QShortcut,
     QSizePolicy,
     QToolButton,
-    QTreeWidget,
-    QTreeWidgetItem,
     QVBoxLayout,
     QWidget,
 )
@@ -30,9 +26,9 @@ from python_qt_binding.QtWidgets import (
 from flatland_viz.labels import ElidedLabel, SelectableLabel
 from flatland_viz.model_actions import ModelActions
 from flatland_viz.model_list import Model, Topic, sorted_topics
-from flatland_viz.plot_launcher import HINT, offer_plots
 from flatland_viz.selection import Selection
-from flatland_viz.topic_monitor import Reading, TopicMonitor
+from flatland_viz.topic_monitor import TopicMonitor
+from flatland_viz.topic_tree import TopicTree
 from flatland_viz.topic_values import position, velocity
 from flatland_viz.world_files import label
 
@@ -164,7 +160,7 @@ class ModelPanel(QDockWidget):
 
     def _read_topics(self) -> None:
         if self.isVisible():
-            self._details.show_readings(self._monitor.readings(self._time))
+            self._details.topics.show_readings(self._monitor.readings(self._time))
 
 
 class _Details(QWidget):
@@ -200,19 +196,8 @@ class _Details(QWidget):
         self._file = self._row("File", "model_file")
         self._plugins = self._row("Plugins", "model_plugins")
         rows.addLayout(self._form)
-        self._topics = QTreeWidget(objectName="model_topics")
-        self._topics.setRootIsDecorated(False)
-        self._topics.setIndentation(10)
-        self._topics.setSelectionMode(QTreeWidget.NoSelection)
-        self._topics.setFocusPolicy(Qt.NoFocus)
-        self._topics.setFrameShape(QFrame.NoFrame)
-        self._topics.setHeaderLabels(["Topic", "Hz"])
-        header = self._topics.header()
-        header.setStretchLastSection(False)
-        header.setSectionResizeMode(0, QHeaderView.Stretch)
-        header.setSectionResizeMode(1, QHeaderView.ResizeToContents)
-        offer_plots(self._topics)
-        rows.addWidget(self._topics, 1)
+        self.topics = TopicTree()
+        rows.addWidget(self.topics, 1)
         rows.addStretch(0)  # takes the place of hidden topics
         self.show_model(None)
 
@@ -239,15 +224,7 @@ class _Details(QWidget):
         self._file.setToolTip(model.file)
         failed = [f"{name} has failed" for name in model.failed]
         self._plugins.setText(", ".join([*model.plugins, *failed]) or "\u2013")
-        topics = _shown_topics(model)
-        self._topics.setVisible(bool(topics))
-        self._topics.clear()
-        for topic in topics:
-            item = QTreeWidgetItem([_short(topic.name, model.namespace), "..."])
-            item.setToolTip(0, f"{topic.name}\n{topic.type}\n{_direction(topic)}\n{HINT}")
-            item.setData(0, Qt.UserRole, topic.name)
-            item.setTextAlignment(1, Qt.AlignRight | Qt.AlignVCenter)
-            self._topics.addTopLevelItem(item)
+        self.topics.show_topics(_shown_topics(model), model.namespace)
 
     def heightForWidth(self, width: int) -> int:  # noqa: N802
         """The height below which a scroll area scrolls, with the list of topics at its minimum."""
@@ -256,25 +233,6 @@ class _Details(QWidget):
     def show_pose(self, pose: str, speed: str) -> None:
         self._pose.setText(pose)
         self._speed.setText(speed)
-
-    def show_readings(self, readings: Dict[str, Reading]) -> None:
-        for index in range(self._topics.topLevelItemCount()):
-            item = self._topics.topLevelItem(index)
-            reading = readings.get(item.data(0, Qt.UserRole))
-            if reading is not None:
-                item.setText(1, "..." if reading.rate is None else _rate(reading.rate))
-                self._show_value(item, reading.value)
-
-    def _show_value(self, item: QTreeWidgetItem, value: str) -> None:
-        """Shows the last message of a topic in a line of its own."""
-        if not item.childCount():
-            if not value:
-                return
-            line = QTreeWidgetItem(item)
-            item.setExpanded(True)
-            line.setFirstColumnSpanned(True)
-        item.child(0).setText(0, value)
-        item.child(0).setToolTip(0, value)
 
 
 def _buttons(actions: ModelActions) -> QGridLayout:
@@ -295,20 +253,6 @@ def _shown_topics(model: Optional[Model]) -> List[Topic]:
         return []
     by_name = {topic.name: topic for topic in sorted_topics(model.topics)}
     return list(by_name.values())
-
-
-def _short(topic: str, namespace: str) -> str:
-    prefix = f"/{namespace}/"
-    return topic[len(prefix) :] if namespace and topic.startswith(prefix) else topic
-
-
-def _direction(topic: Topic) -> str:
-    verb = "published" if topic.is_published else "subscribed"
-    return f"{verb} by {topic.plugin}"
-
-
-def _rate(rate: float) -> str:
-    return f"{rate:.0f}" if rate >= 9.95 or math.isclose(rate, round(rate)) else f"{rate:.1f}"
 
 
 def _dot(color: Optional[str], ratio: float) -> QIcon:
