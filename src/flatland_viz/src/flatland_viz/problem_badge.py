@@ -48,7 +48,7 @@ class ProblemBadge(QToolButton):
         self.setToolTip("What the server, /diagnostics and transforms warn of. Click to read it.")
         self._problems = Problems()
         self._list: Optional[ProblemList] = None
-        line.insertPermanentWidget(1, self)  # behind the hint
+        line.insertPermanentWidget(2, self)  # behind the hint and the notice of transforms
         self.clicked.connect(self._open)
         sources.reported.connect(self._report)
         self._show_count()

@@ -80,7 +80,7 @@ class StatusLine(QStatusBar):
         self.addPermanentWidget(self._followed)
         self._placed = QLabel("No map \u2192 odom", objectName="status_placed")
         self._placed.hide()
-        self.addPermanentWidget(self._placed)
+        self.insertPermanentWidget(1, self._placed)  # beside the hint: it comes and goes
         self._expiry = QTimer(self, singleShot=True, interval=_MESSAGE_TIME)
         self._expiry.timeout.connect(lambda: self._hint.show_line(""))
         self._time = self._field("status_time", "simulated time", "100000.000 s")
