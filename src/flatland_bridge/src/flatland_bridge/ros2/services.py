@@ -22,7 +22,7 @@ logger = logging.getLogger(__name__)
 _MOST_CALLS = 50
 """Calls that go on at the same time; some wait for simulated time. Others are refused."""
 _QUEUE = 100
-"""Requests to a service that wait for the node. ROS 2 drops others, and their callers wait for ever."""
+"""Requests to a service that wait for the node. Others are lost: their callers wait for ever."""
 _STEPS = simulation_types.message("SimulatorFeatures").STEP_SIMULATION_ACTION
 
 
