@@ -4,6 +4,7 @@
 """
 
 import math
+import select
 import signal
 import subprocess
 import sys
@@ -407,6 +408,8 @@ def test_scans_of_ten_robots_reach_all_kinds_of_readers(start, peer):
     with subprocess.Popen(
         [sys.executable, "-c", STALLED, *topics], stdout=subprocess.PIPE
     ) as stalled:
+        # It may start for longer than this process's readers keep scans, which are read meanwhile.
+        peer.wait_until(lambda: select.select([stalled.stdout], [], [], 0)[0], "its first scan")
         assert stalled.stdout.readline()
         stalled.send_signal(signal.SIGSTOP)
         counts = {topic: len(each) for topic, each in after.items()}
