@@ -158,13 +158,10 @@ void Lidars::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& s
     if (!is_seen(layer) || !choose(layer->layers())) continue;
     const SegmentTree& walls = layer->walls();
     SeenWalls* const last = walls.segment_count() == most ? seen : nullptr;
-    const auto* const visible = layer->visible().From({pose.x, pose.y});
-    if (last != nullptr) {
-      last->known = visible == nullptr ? nullptr : visible->data();
-      last->known_count = visible == nullptr ? 0 : static_cast<int>(visible->size());
-    }
-    if (visible != nullptr) {
-      buffer.Draw(walls, *visible, pose);
+    const WallList visible = layer->visible().From({pose.x, pose.y});
+    if (last != nullptr) last->known = visible;
+    if (visible.indices != nullptr) {
+      buffer.Draw(walls, visible, pose);
     } else {
       buffer.Draw(walls, pose, last);
     }
