@@ -164,7 +164,10 @@ void SharedWorld::Begin(World& world, const SharedState& state) const {
 
 void SharedWorld::Prefetch(SharedState& state, int distance) {
   if (distance == 4) return PrefetchObject(state);
-  if (distance == 3) return PrefetchElements(state.held_);
+  if (distance == 3) {
+    if (state.walls_ != nullptr) PrefetchObject(*state.walls_);
+    return PrefetchElements(state.held_);
+  }
   if (distance == 2) {
     PrefetchElements(state.bytes_);
     PrefetchElements(state.nearby_);

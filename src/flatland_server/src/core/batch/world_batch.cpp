@@ -110,7 +110,8 @@ void WorldBatch::Prefetch(int row, int distance) const {
   SharedWorld::Prefetch(*environments_[row].state, distance);
   for (int i = 0; i < robot_count(); ++i) {
     const SeenWalls& seen = seen_[int64_t{row} * robot_count() + i];
-    if (distance == 2) PrefetchBytes(&seen, offsetof(SeenWalls, walls));
+    if (distance == 3) PrefetchBytes(&seen, offsetof(SeenWalls, walls));
+    if (distance == 2 && seen.cell != nullptr) PrefetchBytes(seen.cell, 1);
     if (distance != 1) continue;
     const WallList next =
         seen.known.indices != nullptr ? seen.known : WallList{seen.walls, size_t(seen.count)};

@@ -158,8 +158,12 @@ void Lidars::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& s
     if (!is_seen(layer) || !choose(layer->layers())) continue;
     const SegmentTree& walls = layer->walls();
     SeenWalls* const last = walls.segment_count() == most ? seen : nullptr;
-    const WallList visible = layer->visible().From({pose.x, pose.y});
-    if (last != nullptr) last->known = visible;
+    const void* cell = nullptr;
+    const WallList visible = layer->visible().From({pose.x, pose.y}, cell);
+    if (last != nullptr) {
+      last->known = visible;
+      last->cell = cell;
+    }
     if (visible.indices != nullptr) {
       buffer.Draw(walls, visible, pose);
     } else {

@@ -82,12 +82,13 @@ VisibleWalls::~VisibleWalls() {
   for (int i = 0; i < columns_ * rows_; ++i) delete[] cells_[i].walls.load();
 }
 
-WallList VisibleWalls::From(Vec2 point) const {
+WallList VisibleWalls::From(Vec2 point, const void*& address) const {
   if (cells_ == nullptr) return {};
   const double column = std::floor((point.x - origin_.x) / cell_size_);
   const double row = std::floor((point.y - origin_.y) / cell_size_);
   if (!(column >= 0.0 && column < columns_ && row >= 0.0 && row < rows_)) return {};
   Cell& cell = cells_[static_cast<int>(row) * columns_ + static_cast<int>(column)];
+  address = &cell;
   const uint32_t* const walls = cell.walls.load(std::memory_order_acquire);
   if (walls != nullptr) return {walls, cell.count};
   if (cell.scans.load(std::memory_order_relaxed) >= kScansBefore) return {};

@@ -35,7 +35,12 @@ class VisibleWalls {
   /// Indices of walls that include all those that a lidar at a point can see, or no list
   /// (null) if these are not known yet. Valid as long as this object. Several threads may call it
   /// at a time.
-  WallList From(Vec2 point) const;
+  WallList From(Vec2 point) const {
+    const void* cell;
+    return From(point, cell);
+  }
+  /// The same. Writes the address of what it looks up, for a later call from near there.
+  WallList From(Vec2 point, const void*& cell) const;
 
   /// Number of scans from a cell before its walls are found. Finding them takes as long as these
   /// scans.
