@@ -206,8 +206,8 @@ class EpisodeSampler:
     def _ranges(self, given: Any) -> Dict[str, Tuple[float, float]]:
         """The ranges of the option `vary`, and those of other numbers as they are."""
         own = self._settings.vary
-        pairs = {k: (v, v) if np.ndim(v) == 0 else v for k, v in _mapping("vary", given).items()}
-        for name, (low, high) in ranges_of(pairs).items():
+        ranges = ranges_of(_mapping("vary", given), or_numbers=True)
+        for name, (low, high) in ranges.items():
             if name not in own:
                 raise UsageError(
                     f'expected the option vary with names of the argument, found "{name}"'
@@ -219,7 +219,7 @@ class EpisodeSampler:
                     f'expected the option vary["{name}"] within {least:g} to {greatest:g}, as in '
                     f"the environment's arguments, found {low:g} to {high:g}"
                 )
-        return {**own, **ranges_of(pairs)}
+        return {**own, **ranges}
 
     def _map_numbers(self, given: Any) -> Sequence[int]:
         """The numbers of the maps that the option `map` leaves."""

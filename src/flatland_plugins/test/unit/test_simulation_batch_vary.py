@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from batch_world import write_world
 
-from flatland2d import FlatlandError, Simulation, SimulationBatch, StateError, world_content
+from flatland2d import FlatlandError, Simulation, SimulationBatch, StateError, Walls, world_content
 
 ROUNDS, SUBSTEPS = 12, 20
 DRIVE = {
@@ -130,6 +130,8 @@ def test_an_environment_has_the_bits_of_a_file_with_its_value(worlds, drive, nam
         ("robot/laser/range", (2, 1), "least, greatest"),
         ("robot/laser/range", (float("nan"), 1), "least, greatest"),
         ("robot/laser/range", 3, "least, greatest"),
+        ("robot/laser/range", "12", "least, greatest"),
+        ("robot/laser/range", (1, 10**400), "least, greatest"),
         ("robot/laser/range_min", (1, 7), "expected less than the range"),
         ("robot/laser/name/first", (1, 2), "leads to no number"),
         ("box*/base/footprints/density", (-1, 2), "of 0 or more, found -1"),
@@ -170,6 +172,8 @@ def batch(worlds):
         ({RANGE: [1, 2, float("nan")]}, "found nan"),
         ({RANGE: [1, 2]}, "as a number, or 3 of them"),
         ({RANGE: "far"}, "as a number, or 3 of them"),
+        ({RANGE: "3"}, "as a number, or 3 of them"),
+        ({RANGE: [1, 2, 10**400]}, "as a number, or 3 of them"),
     ],
 )
 def test_a_wrong_value_changes_nothing(batch, vary, expected):
@@ -179,6 +183,19 @@ def test_a_wrong_value_changes_nothing(batch, vary, expected):
         batch.reset(vary={SPEED: 0.5, **vary})
     assert all(np.array_equal(a, b) for a, b in zip(batch.observe(), former))
     assert np.isfinite(batch.reset().ranges).any(axis=1).all()
+
+
+def test_wrong_walls_leave_the_values_as_they_are(worlds):
+    bare = {**worlds["DiffDrive"], "layers": []}
+    with SimulationBatch(bare, 2, vary={RANGE: (1.0, 6.0)}) as batch:
+        batch.reset(vary={RANGE: 2.0})
+        states = batch.save_states()
+        for walls, expected in ({7: None}, "from 0 to 1"), ({0: Walls([[0, 1, 1, 1]])}, "no layer"):
+            with pytest.raises(FlatlandError, match=expected):
+                batch.reset(walls=walls, vary={RANGE: 6.0})
+            assert batch.save_states() == states
+        with pytest.raises(FlatlandError, match="vary as a dict"):
+            batch.reset(vary=3)
 
 
 def test_only_environments_that_are_reset_change(batch):
