@@ -135,6 +135,7 @@ def test_an_environment_has_the_bits_of_a_file_with_its_value(worlds, drive, nam
         ("robot/laser/range_min", (1, 7), "expected less than the range"),
         ("robot/laser/name/first", (1, 2), "leads to no number"),
         ("box*/base/footprints/density", (-1, 2), "of 0 or more, found -1"),
+        ("robot/base/footprints/²/friction", (0, 1), 'unknown key "²"'),
         ("robot/laser/update_rate", (1, 2), "cannot differ"),
         ("robot/laser/angle/increment", (0.04, 0.05), "cannot differ"),
         ("robot/base/footprints/radius", (0.1, 0.2), "cannot differ"),

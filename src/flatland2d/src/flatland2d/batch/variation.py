@@ -123,7 +123,8 @@ def _entries(content: Mapping[str, Any]) -> Dict[str, Any]:
 def _set(node: Any, keys: Sequence[str], value: float, name: str) -> None:
     """Sets a number in a section; in a list, that of the entry with an index, or those of all."""
     key, *rest = keys
-    if isinstance(node, list) and not key.isdigit():
+    is_index = key.isdecimal() and len(key) < 10
+    if isinstance(node, list) and not is_index:
         for each in node:
             _set(each, keys, value, name)
         return

@@ -9,6 +9,7 @@ import numpy as np
 from flatland2d.rendering.image_canvas import ImageCanvas
 from flatland2d.rendering.renderer import Renderer, to_png
 from flatland2d.rendering.view import View, fitting_size
+from flatland2d.sweep.tables import one_line
 from flatland2d.sweep.intervals import CONFIDENCE
 from flatland2d.sweep.metrics import SUMMARISED
 from flatland2d.sweep.run import RunObserver, SweepRun
@@ -98,7 +99,7 @@ def summary_cells(
 
 def text_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A table for a terminal."""
-    lines = [heads, *rows]
+    lines = [list(map(one_line, line)) for line in (heads, *rows)]
     widths = [max(len(line[i]) for line in lines) for i in range(len(heads))]
     return "\n".join(
         "  ".join(word.ljust(width) for word, width in zip(line, widths)).rstrip() for line in lines
