@@ -286,6 +286,25 @@ def test_an_unwritable_output_is_one_line_and_exit_code_1(folder, arguments, out
     assert answer.returncode == 1
 
 
+def test_a_run_without_standard_error_is_a_run(folder):
+    shell = f"{shlex.quote(sys.executable)} -m flatland2d run world.yaml --seconds 0.1 2>&-"
+
+    answer = subprocess.run(shell, shell=True, stdout=subprocess.PIPE, text=True)
+
+    assert (answer.stdout.count("times real time"), answer.returncode) == (1, 0)
+
+
+def test_a_folder_that_is_gone_is_one_line(folder):
+    (folder / "gone").mkdir()
+    program = f"{shlex.quote(sys.executable)} -m flatland2d sweep scenarios.yaml"
+    shell = f"cd gone && rmdir ../gone && {program}"
+
+    answer = subprocess.run(shell, shell=True, stderr=subprocess.PIPE, text=True)
+
+    assert answer.stderr == "flatland: the working directory is not there\n"
+    assert answer.returncode == 1
+
+
 @pytest.mark.parametrize("name", ["run.bag", "run.mcap"])
 def test_a_run_is_recorded(folder, capsys, name):
     arguments = ["run", "world.yaml", "--seconds", "1", "--record", name, "--topics", "/scan"]
