@@ -147,6 +147,19 @@ def test_a_wrong_range_is_refused(worlds, name, range, expected):
         SimulationBatch(worlds["DiffDrive"], 2, vary={name: range})
 
 
+def test_noise_from_none_varies_beside_other_numbers_of_a_drive(worlds):
+    delay, noise = "robot/drive/actuators/delay", "robot/drive/actuators/linear/noise"
+    content = with_value(worlds["OmniDrive"], delay, 0.1)
+    with SimulationBatch(content, 2, seed=[7, 7], vary={noise: (0.0, 0.02)}) as batch:
+        batch.reset(vary={noise: [0.0, 0.02]})
+        found = run_batch(batch)
+        size = len(batch.action_names)
+    for k, value in enumerate((0.0, 0.02)):
+        expected = run_simulation(with_value(content, noise, value), size)
+        for seen, reference in zip(found, expected):
+            assert np.array_equal(seen[k].reshape(reference.shape), reference)
+
+
 def test_the_last_name_of_a_number_counts(worlds):
     boxes = {"box*/base/footprints/density": (1, 2), "box2/base/footprints/density": (1, 3)}
     SimulationBatch(worlds["DiffDrive"], 2, vary=boxes).close()
