@@ -140,6 +140,7 @@ def test_an_environment_has_the_bits_of_a_file_with_its_value(worlds, drive, nam
         ("robot/laser/angle/increment", (0.04, 0.05), "cannot differ"),
         ("robot/base/footprints/radius", (0.1, 0.2), "cannot differ"),
         ("robot/drive/actuators/max_force", (0, 9), "cannot differ"),  # 0 is no limit
+        ("robot/drive/actuators/max_force", (0, 1e6), "cannot differ"),
     ],
 )
 def test_a_wrong_range_is_refused(worlds, name, range, expected):
