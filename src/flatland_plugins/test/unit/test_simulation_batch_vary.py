@@ -140,12 +140,16 @@ def test_an_environment_has_the_bits_of_a_file_with_its_value(worlds, drive, nam
         ("robot/laser/angle/increment", (0.04, 0.05), "cannot differ"),
         ("robot/base/footprints/radius", (0.1, 0.2), "cannot differ"),
         ("robot/drive/actuators/max_force", (0, 9), "cannot differ"),  # 0 is no limit
-        ("robot/drive/actuators/max_force", (0, 1e6), "cannot differ"),
     ],
 )
 def test_a_wrong_range_is_refused(worlds, name, range, expected):
     with pytest.raises(FlatlandError, match=expected):
         SimulationBatch(worlds["DiffDrive"], 2, vary={name: range})
+
+
+def test_a_limit_of_force_from_none_is_refused_without_contacts():
+    with pytest.raises(FlatlandError, match="cannot differ"):
+        SimulationBatch("office", 2, vary={"turtlebot/diff_drive/actuators/max_force": (0, 1e6)})
 
 
 def test_noise_from_none_varies_beside_other_numbers_of_a_drive(worlds):

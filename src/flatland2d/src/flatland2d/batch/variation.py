@@ -357,9 +357,8 @@ class Variation:
 
     def _is_equal(self, world: World, other: World, settings: IntArray, value: float) -> bool:
         """True if a world becomes equal to another one by these settings, and moves alike."""
-        counts = [(each.physics.body_count, each.physics.joint_count) for each in (world, other)]
-        if counts[0] != counts[1]:  # a drive without a limited force has no grip
-            return False
+        if world.physics.grip_count != other.physics.grip_count:
+            return False  # without contacts, a drive of unlimited force moves alike
         found = []
         for each, varied in ((world, settings.tolist()), (other, [])):
             robots = self._robots(each)
