@@ -433,7 +433,7 @@ class SimulationBatch:
         return observation
 
     def move(self, poses: ArrayLike, mask: Optional[ArrayLike] = None) -> None:
-        """Puts robots elsewhere, at rest, as `Simulation.move` does. Their commands hold.
+        """Puts robots elsewhere, at rest, as `Simulation.move` does.
 
         Args:
             poses: as for `reset`; only those of the mask count.
