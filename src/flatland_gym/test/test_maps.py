@@ -123,7 +123,7 @@ def test_neighbours_behind_the_walls_of_a_map_are_hidden():
     ],
 )
 def test_wrong_sizes_of_rooms_are_told(wrong):
-    with pytest.raises(UsageError, match="expected .* sizes .*, found Rooms"):
+    with pytest.raises(UsageError, match=r"expected .* sizes .*, found Rooms"):
         Rooms(**wrong)
 
 

@@ -93,7 +93,9 @@ def positive(text: str) -> float:
 
 def not_negative(text: str) -> float:
     """A number of zero or more, up to 1e9."""
-    return _number(text, lambda value: 0.0 <= value <= _LARGEST, f"a number of 0 or more, {_AT_MOST}")
+    return _number(
+        text, lambda value: 0.0 <= value <= _LARGEST, f"a number of 0 or more, {_AT_MOST}"
+    )
 
 
 def whole_from(minimum: int) -> Callable[[str], int]:

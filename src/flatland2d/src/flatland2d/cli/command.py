@@ -31,7 +31,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
         that the command does not know end the process with 2.
     """
     if sys.stderr is None:  # closed; no file that is opened later may get its number
-        sys.stderr = open(os.devnull, "w")
+        sys.stderr = os.fdopen(os.open(os.devnull, os.O_WRONLY), "w")
     atexit.register(gc.freeze)  # no garbage collection at exit, to save time
     parser = argparse.ArgumentParser(
         prog="flatland", description="A 2D robot simulator: worlds in YAML, robots of plugins."

@@ -93,9 +93,7 @@ def markdown_table(summary: Summary, comparisons: Comparisons = ()) -> str:
             ends = [f" {cell.interval}" * bool(cell.interval) for cell in cells]
             values = [f", {cell.p}" * bool(cell.p) for cell in cells]
             lines.append([title, label, *map("".join, zip(texts, ends, values))])
-    return "".join(
-        f"| {' | '.join(map(_in_markdown, line))} |\n" for line in lines
-    )
+    return "".join(f"| {' | '.join(map(_in_markdown, line))} |\n" for line in lines)
 
 
 def latex_table(summary: Summary, comparisons: Comparisons = ()) -> str:

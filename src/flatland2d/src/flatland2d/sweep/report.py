@@ -9,12 +9,12 @@ import numpy as np
 from flatland2d.rendering.image_canvas import ImageCanvas
 from flatland2d.rendering.renderer import Renderer, to_png
 from flatland2d.rendering.view import View, fitting_size
-from flatland2d.sweep.tables import one_line
 from flatland2d.sweep.intervals import CONFIDENCE
 from flatland2d.sweep.metrics import SUMMARISED
 from flatland2d.sweep.run import RunObserver, SweepRun
 from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.settings import Scenario
+from flatland2d.sweep.tables import one_line
 from flatland_server.canvas import Canvas, Rgba
 from flatland_server.geometry import Point
 
