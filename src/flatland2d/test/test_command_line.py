@@ -165,7 +165,7 @@ def test_the_way_of_a_model_is_drawn(folder, capsys):
     [
         (["--follow", "robt"], 'no model "robt" (did you mean "robot"?)'),
         (["-o", "world.xyz"], "unknown file extension: .xyz"),
-        (["-o", "no/such/folder.png"], "cannot be written"),
+        (["-o", "no/such/folder.png"], "cannot be written: No such file or directory\n"),
         (["--size", "0x10"], "expected a width and a height of 1 to 16384 pixels"),
     ],
 )
@@ -183,6 +183,10 @@ def test_a_picture_that_cannot_be_made_is_one_line(folder, capsys, arguments, me
     [
         ["run", "world.yaml", "--seconds", "-1"],
         ["run", "world.yaml", "--seconds", "nan"],
+        ["run", "world.yaml", "--seconds", "1e308"],
+        ["render", "world.yaml", "-o", "a.png", "--time", "1e308"],
+        ["sweep", "scenarios.yaml", "--tolerance", "nan"],
+        ["sweep", "scenarios.yaml", "--tolerance", "-1"],
         ["run", "world.yaml", "--seed", "1.5"],
         ["run", "world.yaml", "--seed", "inf"],
         ["run", "world.yaml", "--topics", "/scan"],
@@ -279,6 +283,25 @@ def test_an_unwritable_output_is_one_line_and_exit_code_1(folder, arguments, out
     answer = subprocess.run(shell, shell=True, stderr=subprocess.PIPE, text=True)
 
     assert answer.stderr == f"flatland: the output cannot be written: {reason}\n"
+    assert answer.returncode == 1
+
+
+def test_a_run_without_standard_error_is_a_run(folder):
+    shell = f"{shlex.quote(sys.executable)} -m flatland2d run world.yaml --seconds 0.1 2>&-"
+
+    answer = subprocess.run(shell, shell=True, stdout=subprocess.PIPE, text=True)
+
+    assert (answer.stdout.count("times real time"), answer.returncode) == (1, 0)
+
+
+def test_a_folder_that_is_gone_is_one_line(folder):
+    (folder / "gone").mkdir()
+    program = f"{shlex.quote(sys.executable)} -m flatland2d sweep scenarios.yaml"
+    shell = f"cd gone && rmdir ../gone && {program}"
+
+    answer = subprocess.run(shell, shell=True, stderr=subprocess.PIPE, text=True)
+
+    assert answer.stderr == "flatland: the working directory is not there\n"
     assert answer.returncode == 1
 
 

@@ -4,6 +4,7 @@
 """
 
 import math
+import select
 import signal
 import subprocess
 import sys
@@ -15,6 +16,8 @@ import rclpy
 from action_msgs.msg import GoalStatus
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist, TwistStamped
 from nav_msgs.msg import OccupancyGrid, Odometry
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.msg import ParameterValue
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
 from rclpy.action import ActionClient
 from rclpy.parameter import Parameter
@@ -282,6 +285,15 @@ def test_services_and_their_errors(server, peer):
     peer.call(Empty, "/resume")
 
 
+def test_calls_that_come_at_once_are_all_answered(server, peer):
+    client = peer.node.create_client(Empty, "/pause", qos_profile=PATIENT)
+    peer.wait_until(client.service_is_ready, "/pause")
+    calls = [client.call_async(Empty.Request()) for _ in range(60)]
+    peer.wait_until(lambda: all(call.done() for call in calls), "the answers")
+    peer.node.destroy_client(client)
+    peer.call(Empty, "/resume")
+
+
 def test_the_action_makes_steps(server, peer):
     from simulation_interfaces.action import SimulateSteps
     from simulation_interfaces.msg import Result, SimulatorFeatures
@@ -355,6 +367,15 @@ def test_parameters_are_read_and_set(server, peer):
     assert not peer.put("seed", 8).successful
 
 
+def test_a_parameter_of_unknown_type_does_not_make_it_deaf(server, peer):
+    client = peer.node.create_client(SetParameters, "/flatland_server/set_parameters")
+    peer.wait_until(client.service_is_ready, "the parameters")
+    unknown = ParameterMessage(name="update_rate", value=ParameterValue(type=77))
+    client.call_async(SetParameters.Request(parameters=[unknown]))  # rclpy itself has no answer
+    assert peer.put("update_rate", 200.0).successful
+    peer.node.destroy_client(client)
+
+
 def test_a_map_is_latched(server, peer):
     grid = peer.first(OccupancyGrid, "/map", LATCHED)
     occupied = {
@@ -387,6 +408,8 @@ def test_scans_of_ten_robots_reach_all_kinds_of_readers(start, peer):
     with subprocess.Popen(
         [sys.executable, "-c", STALLED, *topics], stdout=subprocess.PIPE
     ) as stalled:
+        # It may start for longer than this process's readers keep scans, which are read meanwhile.
+        peer.wait_until(lambda: select.select([stalled.stdout], [], [], 0)[0], "its first scan")
         assert stalled.stdout.readline()
         stalled.send_signal(signal.SIGSTOP)
         counts = {topic: len(each) for topic, each in after.items()}
@@ -414,8 +437,9 @@ def test_timers_of_simulated_time(start, peer):
         began = time.monotonic()
         timed.wait_until(lambda: len(ticks) > 10, "ten periods")
         passed = time.monotonic() - began
-        assert ticks[10] - ticks[0] == pytest.approx(2e9, abs=1e8)
-        return 2.0 / passed
+        simulated = (ticks[10] - ticks[0]) * 1e-9
+        assert simulated > 1.8  # more if the machine was busy: a late timer leaves periods out
+        return simulated / passed
 
     timed.node.create_timer(0.2, lambda: ticks.append(timed.node.get_clock().now().nanoseconds))
     assert rate() < 2.0  # it is 1; on a busy machine, ticks that were late come together

@@ -81,6 +81,15 @@ def test_a_port_in_use_is_named(world, capsys):
     assert capsys.readouterr().err == expected
 
 
+@pytest.mark.parametrize("host", ["a..b", "::x"])
+def test_a_host_that_is_none_is_named(world, capsys, host):
+    assert main(["serve", str(world), "--port", "0", "--host", host]) == 1
+
+    error = capsys.readouterr().err.splitlines()[-1]
+    assert error.startswith(f"flatland: rosbridge cannot listen at {host}:0: ")
+    assert "Unknown error" not in error
+
+
 @pytest.mark.parametrize("command", ["serve", "view"])
 def test_a_missing_package_is_named(world, capsys, monkeypatch, command):
     for name in [name for name in sys.modules if name.startswith("flatland_bridge")]:

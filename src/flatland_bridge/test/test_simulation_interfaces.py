@@ -91,6 +91,17 @@ def test_a_spawned_entity_has_its_name_and_state(call):
     assert call("get_entities_states")["entities"] == ["robot", "box_2"]
 
 
+@pytest.mark.parametrize("twist", [{"linear": {"x": 1e300}}, {"angular": {"z": None}}])
+def test_a_wrong_twist_moves_no_entity(call, twist):
+    before = call("get_entity_state", entity="robot")["state"]["pose"]
+
+    wrong = {"pose": {"position": {"x": 1.5}}, "twist": twist}
+    result = call("set_entity_state", entity="robot", set_pose=True, set_twist=True, state=wrong)
+
+    assert result == {"result": 4, "error_message": "expected a twist of up to 1e+09 m/s and rad/s"}
+    assert call("get_entity_state", entity="robot")["state"]["pose"] == before
+
+
 def test_moving_an_entity_is_an_edit_of_the_world(call, client):
     client.subscribed("/flatland_server/state")
     assert client.next_of("/flatland_server/state")["edits"] == 0

@@ -60,8 +60,9 @@ def test_options_choose_the_map_of_a_curriculum():
     assert env.reset(seed=1, options={"map": 123_456})[1]["map"] == 123_456
     env.reset_options = {"map": range(40, 42)}
     assert {env.reset()[1]["map"] for _ in range(20)} == {40, 41}
+    assert env.reset(options={"map": np.array(7)})[1]["map"] == 7
     assert env.reset(options={"map": range(10**15)})[1]["map"] >= 0
-    for wrong in (-1, "a", [], [0.5], range(-1, 3), range(0), dict):
+    for wrong in (-1, "a", [], [0.5], range(-1, 3), range(0), dict, 10**30, [2**63]):
         with pytest.raises(UsageError, match="option map"):
             env.reset(options={"map": wrong})
     plain = make(world="empty_room")
@@ -104,6 +105,26 @@ def test_neighbours_behind_the_walls_of_a_map_are_hidden():
     for observed, count, hidden in seen:
         assert observed == count - hidden
     assert seen[1][2] > 0
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"size": 20},
+        {"size": ("long", "wide")},
+        {"size": (20, 20, 20)},
+        {"size": (20, float("nan"))},
+        {"boxes": 1.5},
+        {"boxes": True},
+        {"box": 0.5},
+        {"box": (2, 1)},
+        {"box": (1, 30)},
+        {"door": -1},
+    ],
+)
+def test_wrong_sizes_of_rooms_are_told(wrong):
+    with pytest.raises(UsageError, match=r"expected .* sizes .*, found Rooms"):
+        Rooms(**wrong)
 
 
 @pytest.mark.parametrize(

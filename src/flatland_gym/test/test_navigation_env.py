@@ -257,6 +257,7 @@ def test_a_world_that_cannot_be_used_is_named(change, message):
         ({"goal_distance": 3}, r"expected goal_distance as a pair"),
         ({"goal_distance": (5, 1)}, "expected goal_distance to be two increasing lengths"),
         ({"goal_distance": ("a", 2)}, "expected goal_distance to be two increasing lengths"),
+        ({"time_limit": 10**400}, "expected time_limit to be a number above 0, found 1000"),
         ({"obstacles": -1}, "expected obstacles to be"),
         ({"obstacles": 10**9}, "expected obstacles to be 0 to 10000"),
         ({"world": ()}, "expected world to be a world, or one at least"),
@@ -316,6 +317,7 @@ def test_there_is_an_error_if_there_is_no_room():
         (lambda env: env.step([0.0, np.nan]), r"expected finite actions, found nan at \(1,\)"),
         (lambda env: env.step(np.zeros((1, 2))), r"expected actions of shape \(2,\)"),
         (lambda env: env.reset(seed=7, options={"goal": [5, 0]}), "expected a goal that is free"),
+        (lambda env: env.reset(seed=7, options={"goal": [10**400, 0]}), "option goal as"),
         (lambda env: env.reset(seed=-1), "expected seed to be None or a number of 0 or more"),
     ],
 )

@@ -91,6 +91,8 @@ def test_values_are_drawn_within_the_ranges_or_given_for_each_environment():
         ({"vary": {RANGE: (3, 9)}}, "within 2 to 8"),
         ({"vary": {RANGE: (4, 3)}}, "least, greatest"),
         ({"vary": {RANGE: float("nan")}}, "least, greatest"),
+        ({"vary": {RANGE: "3"}}, "or a number, found '3'"),
+        ({"vary": {RANGE: [3, [4, 5]]}}, "least, greatest"),
         ({"vary": {RANGE: np.array([3.0, 9.0])}}, "within 2 to 8"),
         ({"vary": {RANGE: np.ones(3)}}, "for 2 environments, found 3"),
         ({"vary": 3}, "vary as a dict"),

@@ -41,17 +41,22 @@ def walk_crowd(worlds: Path, motion: str) -> Figures:
 
 @case("environment_{beams}", "a step of gymnasium.make, {beams} beams", beams=(64, 360, 1081))
 def step_environment(worlds: Path, beams: int) -> Figures:
-    """Processor time of a step of the office, without resets; the robot turns on the spot.
+    """Processor time of a step of the office; the robot turns on the spot.
 
     The least of alternating blocks: of the core's calls for a command, a step and a scan, of a
-    `Simulation` with the same, of the environment, and of that with Gymnasium's wrappers.
+    `Simulation` with the same, of the environment, of that with Gymnasium's wrappers, and of that
+    with episodes of a dozen steps and their resets.
     """
     import gymnasium
     import numpy as np
 
     import flatland_gym  # noqa: F401 (registers the environments)
 
-    env = gymnasium.make("flatland/Navigation-v0", world="office", beams=beams)
+    env, ending = (
+        gymnasium.make("flatland/Navigation-v0", world="office", beams=beams, max_episode_steps=n)
+        for n in (None, 12)
+    )
+    ending.reset(seed=0)
     _, info = env.reset(seed=0)
     inner, action = env.unwrapped, np.array([0.0, 0.5], np.float32)
     content = world_content("office")
@@ -77,11 +82,16 @@ def step_environment(worlds: Path, beams: int) -> Figures:
         sim.step()
         lidar.read()
 
+    def step_and_reset() -> None:
+        if any(ending.step(action)[2:4]):
+            ending.reset()
+
     works: Dict[str, Callable[[], object]] = {
         "core [us]": step_core,
         "Simulation [us]": simulate,
         "environment [us]": lambda: inner.step(action),
         "with wrappers [us]": lambda: env.step(action),
+        "with an end each 12 [us]": step_and_reset,
     }
     best = dict.fromkeys(works, float("inf"))
     for _ in range(_BLOCKS):
@@ -92,5 +102,6 @@ def step_environment(worlds: Path, beams: int) -> Figures:
             seconds = (time.process_time() - begin) / (10 * _STEPS)
             best[name] = min(best[name], seconds * 1e6)
     env.close()
+    ending.close()
     sim.close()
     return best

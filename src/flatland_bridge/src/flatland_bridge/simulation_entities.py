@@ -25,6 +25,8 @@ _BAD_POSE = simulation_types.service("SetEntityState").response.INVALID_POSE
 
 _MOST_REPETITIONS = 3
 """Of a filter's pattern: with more, some take a long time to search."""
+_FASTEST = 1e9
+"""Greatest velocity of a body [m/s or rad/s]."""
 _WORLD_FRAMES = ("", "world", FRAME_ID)
 
 
@@ -168,14 +170,12 @@ class EntityServices:
         state = request.state
         pose = _pose_in_world(state.header, state.pose, _BAD_POSE)
         linear, turn = state.twist.linear, state.twist.angular.z
-        if not all(map(math.isfinite, (linear.x, linear.y, turn))):
-            raise Failure(Result.RESULT_OPERATION_FAILED, "expected a finite twist")
 
         def change() -> None:
             model = self._model(request.entity)
             velocities = [body.velocity for body in model.physics_bodies]
-            if request.set_twist and any(body.type == "static" for body in model.config.bodies):
-                raise Failure(Result.RESULT_OPERATION_FAILED, "a static body does not move")
+            if request.set_twist:
+                _require_possible(model, math.hypot(linear.x, linear.y), turn)
             if request.set_pose:
                 self._edits.move(request.entity, pose)
             x, y, _ = model.base.physics_body.pose
@@ -194,6 +194,17 @@ class EntityServices:
         )
         spawnables = [_Spawnable(entity_resource=_Resource(uri=str(file))) for file in files]
         return {"result": Result(Result.RESULT_OK, text), "spawnables": spawnables}
+
+
+def _require_possible(model: Model, speed: float, turn: float) -> None:
+    """Raises a Failure unless a model can have a speed [m/s] and a yaw rate [rad/s]."""
+    if any(body.type == "static" for body in model.config.bodies):
+        raise Failure(Result.RESULT_OPERATION_FAILED, "a static body does not move")
+    x, y, _ = model.base.physics_body.pose
+    reach = max(math.hypot(body.pose[0] - x, body.pose[1] - y) for body in model.physics_bodies)
+    if not (abs(turn) <= _FASTEST and speed + abs(turn) * reach <= _FASTEST):  # or NaN
+        text = f"expected a twist of up to {_FASTEST:g} m/s and rad/s"
+        raise Failure(Result.RESULT_OPERATION_FAILED, text)
 
 
 def _pose_in_world(frame: Any, pose: Any, code: int) -> Pose:

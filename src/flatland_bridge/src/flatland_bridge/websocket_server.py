@@ -196,10 +196,11 @@ class WebSocketServer:
             for endpoint in endpoints:
                 try:
                     server = await stack.enter_async_context(self._open(endpoint))
-                except (OSError, OverflowError) as error:
-                    number = getattr(error, "errno", None)
-                    reason = os.strerror(number) if number else error
-                    where = f"{self._access.host}:{endpoint.port}"
+                except Exception as error:  # of any kind, or the program would wait for ever
+                    number = getattr(error, "errno", None) or 0
+                    found = os.strerror(number) if number > 0 else getattr(error, "strerror", None)
+                    reason = found or shortened(str(error))
+                    where = f"{shortened(self._access.host)}:{endpoint.port}"
                     message = f"{endpoint.name} cannot listen at {where}: {reason}"
                     started.set_exception(BridgeError(message))
                     return

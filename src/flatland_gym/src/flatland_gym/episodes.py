@@ -206,8 +206,8 @@ class EpisodeSampler:
     def _ranges(self, given: Any) -> Dict[str, Tuple[float, float]]:
         """The ranges of the option `vary`, and those of other numbers as they are."""
         own = self._settings.vary
-        pairs = {k: (v, v) if np.ndim(v) == 0 else v for k, v in _mapping("vary", given).items()}
-        for name, (low, high) in ranges_of(pairs).items():
+        ranges = ranges_of(_mapping("vary", given), or_numbers=True)
+        for name, (low, high) in ranges.items():
             if name not in own:
                 raise UsageError(
                     f'expected the option vary with names of the argument, found "{name}"'
@@ -219,7 +219,7 @@ class EpisodeSampler:
                     f'expected the option vary["{name}"] within {least:g} to {greatest:g}, as in '
                     f"the environment's arguments, found {low:g} to {high:g}"
                 )
-        return {**own, **ranges_of(pairs)}
+        return {**own, **ranges}
 
     def _map_numbers(self, given: Any) -> Sequence[int]:
         """The numbers of the maps that the option `map` leaves."""
@@ -227,9 +227,9 @@ class EpisodeSampler:
             return range(self._settings.num_maps)
         if self._maps is None:
             raise UsageError("expected no option map in an environment without maps")
-        numbers = given if isinstance(given, (Sequence, np.ndarray)) else [given]
+        numbers = given if isinstance(given, Sequence) else np.atleast_1d(given)
         ends = [numbers[0], numbers[-1]] if isinstance(numbers, range) and numbers else numbers
-        if not len(ends) or not all(is_whole(each) and each >= 0 for each in ends):
+        if not len(ends) or not all(is_whole(each) and 0 <= each < 2**63 for each in ends):
             raise UsageError(
                 f"expected the option map as a number of 0 or more, or several, found {given!r:.80}"
             )
@@ -435,7 +435,7 @@ def _numbers(name: str, value: Any) -> List[float]:
         return []
     try:
         numbers = [float(number) for number in value]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         numbers = []
     sizes, form = ((2, 3), "[x, y] or [x, y, yaw]") if "start" in name else ((2,), "[x, y]")
     if len(numbers) not in sizes or not all(map(math.isfinite, numbers)):

@@ -1,12 +1,12 @@
 """Maps of rooms, made by chance."""
 
-import math
 from dataclasses import dataclass
 from typing import Tuple
 
 import numpy as np
 
 from flatland2d import UsageError
+from flatland_gym.settings import is_whole
 from flatland_server import FloatArray, Segments
 
 
@@ -35,9 +35,18 @@ class Rooms:
 
     def __post_init__(self) -> None:
         """Raises a UsageError for a value that is not usable."""
-        numbers = (*self.size, self.room, self.door, *self.box, float(self.boxes))
-        if not all(map(math.isfinite, numbers)) or min(numbers) < 0.0 or self.box[0] > self.box[1]:
-            raise UsageError(f"expected finite sizes of 0 or more, found {self}")
+        try:
+            (length, width), (least, largest) = self.size, self.box
+            numbers = np.array([length, width, self.room, self.door, least, largest], np.float64)
+            is_right = bool(np.isfinite(numbers).all() and numbers.min() >= 0.0)
+            is_right = is_right and least <= largest <= min(length, width)
+        except (TypeError, ValueError, OverflowError):
+            is_right = False
+        if not (is_right and is_whole(self.boxes) and self.boxes >= 0):
+            raise UsageError(
+                "expected finite sizes of 0 or more, boxes no larger than the floor, and a whole "
+                f"number of them, found {self}"
+            )
         if not 0.0 < 6.0 * self.door <= min(self.room, *self.size):
             raise UsageError(
                 f"expected a floor and rooms of at least six doors, {6.0 * self.door:g} m, found "

@@ -256,7 +256,7 @@ def _require_number(
     limit = f" above {above:g}" if above is not None else f" of {minimum:g} or more"
     if above is None and minimum == -math.inf:
         limit = ""
-    is_right = _is_number(value) and math.isfinite(value) and value >= minimum
+    is_right = _is_number(value) and abs(value) <= sys.float_info.max and value >= minimum
     _require(name, value, is_right and (above is None or value > above), f"a number{limit}")
 
 

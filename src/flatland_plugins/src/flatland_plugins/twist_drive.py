@@ -77,11 +77,10 @@ class TwistDrive(OdometryPlugin, ABC):
         """
         self._actuators = config.read_once(Actuators.read, is_steered)
         if self._actuators.has_force and not body.physics_body.inertia:
-            found = (
-                f"{body.config.type} one" if body.config.type != "dynamic" else "without density"
-            )
+            kind = body.config.type
+            found = f"a {kind} one" if kind != "dynamic" else "one without"
             config.problem(
-                f"a limited force needs a dynamic body with a density, found a {found}", "actuators"
+                f"a limited force needs a dynamic body with a density, found {found}", "actuators"
             )
         return self._actuators.for_core(self.rng)
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from batch_world import write_world
 
-from flatland2d import FlatlandError, Simulation, SimulationBatch, StateError, world_content
+from flatland2d import FlatlandError, Simulation, SimulationBatch, StateError, Walls, world_content
 
 ROUNDS, SUBSTEPS = 12, 20
 DRIVE = {
@@ -130,9 +130,12 @@ def test_an_environment_has_the_bits_of_a_file_with_its_value(worlds, drive, nam
         ("robot/laser/range", (2, 1), "least, greatest"),
         ("robot/laser/range", (float("nan"), 1), "least, greatest"),
         ("robot/laser/range", 3, "least, greatest"),
+        ("robot/laser/range", "12", "least, greatest"),
+        ("robot/laser/range", (1, 10**400), "least, greatest"),
         ("robot/laser/range_min", (1, 7), "expected less than the range"),
         ("robot/laser/name/first", (1, 2), "leads to no number"),
         ("box*/base/footprints/density", (-1, 2), "of 0 or more, found -1"),
+        ("robot/base/footprints/²/friction", (0, 1), 'unknown key "²"'),
         ("robot/laser/update_rate", (1, 2), "cannot differ"),
         ("robot/laser/angle/increment", (0.04, 0.05), "cannot differ"),
         ("robot/base/footprints/radius", (0.1, 0.2), "cannot differ"),
@@ -142,6 +145,24 @@ def test_an_environment_has_the_bits_of_a_file_with_its_value(worlds, drive, nam
 def test_a_wrong_range_is_refused(worlds, name, range, expected):
     with pytest.raises(FlatlandError, match=expected):
         SimulationBatch(worlds["DiffDrive"], 2, vary={name: range})
+
+
+def test_a_limit_of_force_from_none_is_refused_without_contacts():
+    with pytest.raises(FlatlandError, match="cannot differ"):
+        SimulationBatch("office", 2, vary={"turtlebot/diff_drive/actuators/max_force": (0, 1e6)})
+
+
+def test_noise_from_none_varies_beside_other_numbers_of_a_drive(worlds):
+    delay, noise = "robot/drive/actuators/delay", "robot/drive/actuators/linear/noise"
+    content = with_value(worlds["OmniDrive"], delay, 0.1)
+    with SimulationBatch(content, 2, seed=[7, 7], vary={noise: (0.0, 0.02)}) as batch:
+        batch.reset(vary={noise: [0.0, 0.02]})
+        found = run_batch(batch)
+        size = len(batch.action_names)
+    for k, value in enumerate((0.0, 0.02)):
+        expected = run_simulation(with_value(content, noise, value), size)
+        for seen, reference in zip(found, expected):
+            assert np.array_equal(seen[k].reshape(reference.shape), reference)
 
 
 def test_the_last_name_of_a_number_counts(worlds):
@@ -170,6 +191,8 @@ def batch(worlds):
         ({RANGE: [1, 2, float("nan")]}, "found nan"),
         ({RANGE: [1, 2]}, "as a number, or 3 of them"),
         ({RANGE: "far"}, "as a number, or 3 of them"),
+        ({RANGE: "3"}, "as a number, or 3 of them"),
+        ({RANGE: [1, 2, 10**400]}, "as a number, or 3 of them"),
     ],
 )
 def test_a_wrong_value_changes_nothing(batch, vary, expected):
@@ -179,6 +202,19 @@ def test_a_wrong_value_changes_nothing(batch, vary, expected):
         batch.reset(vary={SPEED: 0.5, **vary})
     assert all(np.array_equal(a, b) for a, b in zip(batch.observe(), former))
     assert np.isfinite(batch.reset().ranges).any(axis=1).all()
+
+
+def test_wrong_walls_leave_the_values_as_they_are(worlds):
+    bare = {**worlds["DiffDrive"], "layers": []}
+    with SimulationBatch(bare, 2, vary={RANGE: (1.0, 6.0)}) as batch:
+        batch.reset(vary={RANGE: 2.0})
+        states = batch.save_states()
+        for walls, expected in ({7: None}, "from 0 to 1"), ({0: Walls([[0, 1, 1, 1]])}, "no layer"):
+            with pytest.raises(FlatlandError, match=expected):
+                batch.reset(walls=walls, vary={RANGE: 6.0})
+            assert batch.save_states() == states
+        with pytest.raises(FlatlandError, match="vary as a dict"):
+            batch.reset(vary=3)
 
 
 def test_only_environments_that_are_reset_change(batch):

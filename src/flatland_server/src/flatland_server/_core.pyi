@@ -198,6 +198,9 @@ class World(metaclass=_Metaclass):
     @property
     def joint_count(self) -> int:
         """Number of joints."""
+    @property
+    def grip_count(self) -> int:
+        """Number of drives of limited force."""
 
 class Walls(metaclass=_Metaclass):
     """The walls of a layer, with what lidars need of them: a map for environments of a batch.

@@ -3,6 +3,7 @@
 import math
 import operator
 import os
+import sys
 from numbers import Real
 from pathlib import Path
 from typing import Any, Dict, Iterable, List, Mapping, Sequence, TypeVar, Union
@@ -90,7 +91,7 @@ def steps_in(duration: float, step_size: float, name: str) -> int:
     Raises:
         UsageError: it is not a multiple of the steps, or shorter than one.
     """
-    if not isinstance(duration, Real) or not math.isfinite(duration):
+    if not isinstance(duration, Real) or not abs(duration) <= sys.float_info.max:
         raise UsageError(f"expected {name} as a number of seconds, found {shown(duration)}")
     count = round(duration / step_size)
     if count < 1 or abs(count * step_size - duration) > 1e-6 * step_size * count:

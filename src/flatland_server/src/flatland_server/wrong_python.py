@@ -5,12 +5,16 @@ import sys
 from pathlib import Path
 
 
-def wrong_python(error: ImportError) -> ImportError:
+def wrong_python(error: ImportError) -> BaseException:
     """The error to raise for one of an import, with its cause if that is a sourced `setup.bash`.
+
+    Ctrl-C while the core is loaded is an ImportError, too, and is raised as what it was.
 
     setup.bash puts the workspace into PYTHONPATH, which comes before the packages of a virtual
     environment, of pyenv and of conda.
     """
+    if isinstance(error.__cause__, KeyboardInterrupt):
+        return error.__cause__
     folders = os.environ.get("PYTHONPATH", "").split(os.pathsep)
     built = [each for each in folders if each and Path(each, "flatland_server").is_dir()]
     if not built:

@@ -1,4 +1,4 @@
-"""With a NumPy that it was not built for, the core is not imported: its scans would be wrong."""
+"""Errors of the core's import: a NumPy that it was not built for, and Ctrl-C."""
 
 import subprocess
 import sys
@@ -12,6 +12,24 @@ import numpy
 numpy.__version__ = "2.4.6"
 import flatland_server
 """
+
+
+INTERRUPT = """
+import sys
+
+class Interrupt:
+    def find_spec(self, name, path=None, target=None):
+        if name == "numpy":
+            raise KeyboardInterrupt
+
+sys.meta_path.insert(0, Interrupt())
+import flatland_server
+"""
+
+
+def test_ctrl_c_while_the_core_is_loaded_is_no_wrong_python():
+    done = subprocess.run([sys.executable, "-c", INTERRUPT], capture_output=True, text=True)
+    assert done.stderr.splitlines()[-1] == "KeyboardInterrupt"
 
 
 def test_a_core_that_does_not_support_numpy_2_says_so():

@@ -38,6 +38,9 @@ def read(monkeypatch):
             rospy, "resolve_name", lambda name: name.replace("~", "/robots/server/")
         )
         monkeypatch.setattr(rospy, "get_param_names", lambda: list(params))
+        monkeypatch.setattr(
+            rospy, "delete_param", lambda name: params.pop(name.replace("~", "/robots/server/"))
+        )
         return read_config().server
 
     return read_with
@@ -85,6 +88,13 @@ def test_parameters_of_outer_namespaces_are_the_fallback(read, caplog):
     assert "~world_path is not set: /world_path is used" in caplog.text
     assert "~step_size is not set: /robots/step_size is used" in caplog.text
     assert "seed" not in caplog.text
+
+
+def test_a_blank_of_a_launch_file_is_no_value(read):
+    assert read(train_mode=" ", control_period=" ") == read()
+    config = read({"/train_mode": True}, train_mode=" ")
+    assert config.train_mode
+    assert read(models=" ", initial_pose=" ").models == ()
 
 
 def test_a_world_that_is_set_for_another_node_is_named(read):

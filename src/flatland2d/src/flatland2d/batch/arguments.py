@@ -190,5 +190,6 @@ def index_of(value: Any, count: int) -> BoolArray:
 
 def require_index(value: Any, count: int) -> None:
     """Raises a UsageError unless there is an environment of this index, of n."""
-    if not (isinstance(value, (int, np.integer)) and 0 <= value < count):
+    is_whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    if not (is_whole and 0 <= value < count):
         raise UsageError(f"expected an environment from 0 to {count - 1}, found {shown(value)}")

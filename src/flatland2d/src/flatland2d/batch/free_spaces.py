@@ -1,6 +1,6 @@
 """The free space for the initial poses of a batch's robots."""
 
-import math
+import sys
 from typing import Any, Dict, Sequence
 
 import numpy as np
@@ -33,7 +33,7 @@ class FreeSpaces:
             UsageError: the clearance is not usable, or leaves no place.
         """
         is_number = isinstance(clearance, (int, float, np.number))
-        if not (is_number and math.isfinite(clearance) and clearance > 0.0):
+        if not (is_number and 0.0 < clearance <= sys.float_info.max):
             raise UsageError(f"expected a clearance above zero, found {shown(clearance)}")
         if clearance not in self._spaces:
             self._spaces[clearance] = self._compute(clearance)

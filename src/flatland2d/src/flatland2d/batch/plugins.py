@@ -111,7 +111,7 @@ class BatchPlugins:
         Raises:
             UsageError: the world cannot have others. Nothing has changed.
         """
-        if self._worlds:
+        if self._worlds and walls:
             raise UsageError("expected no walls for a world whose parts depend on the seed")
         try:
             for k, own in walls.items():

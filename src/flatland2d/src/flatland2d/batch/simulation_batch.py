@@ -417,10 +417,14 @@ class SimulationBatch:
         new_seeds = None if seeds is None else seeds_of(seeds, self._num_envs)
         observation = self._rows(out)
         seeds_now = self._seeds if new_seeds is None else new_seeds
-        if vary:
-            self._variation.set(core, vary, chosen)
-        if walls:
-            self._plugins.set_walls(core, walls_of(walls, self._num_envs, chosen))
+        own_walls = walls_of(walls, self._num_envs, chosen)
+        former = self._variation.set(core, vary, chosen) if vary else None
+        try:
+            self._plugins.set_walls(core, own_walls)
+        except UsageError:
+            if former is not None:
+                self._variation.put(core, former)
+            raise
         self._plugins.load(core, chosen, seeds_now, self._steps)
         self._plugins.reset(core, chosen, seeds_now, placed, self._arrays(observation), others)
         self._change_seeds(new_seeds, chosen)
@@ -429,7 +433,7 @@ class SimulationBatch:
         return observation
 
     def move(self, poses: ArrayLike, mask: Optional[ArrayLike] = None) -> None:
-        """Puts robots elsewhere, at rest, as `Simulation.move` does. Their commands hold.
+        """Puts robots elsewhere, at rest, as `Simulation.move` does.
 
         Args:
             poses: as for `reset`; only those of the mask count.

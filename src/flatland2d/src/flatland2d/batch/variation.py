@@ -12,7 +12,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
-from flatland2d.batch.robot import make_core
+from flatland2d.batch.robot import make_core, roles_of
 from flatland2d.robot import Robot
 from flatland_server import _core
 from flatland_server.arguments import shown
@@ -31,8 +31,12 @@ plugin or body: they have one value."""
 _LISTS = ("plugins", "bodies", "joints")
 
 
-def ranges_of(value: Any) -> Dict[str, Tuple[float, float]]:
+def ranges_of(value: Any, or_numbers: bool = False) -> Dict[str, Tuple[float, float]]:
     """Ranges that a program has passed.
+
+    Args:
+        value: the ranges by name.
+        or_numbers: whether a number may stand for a range of only itself.
 
     Raises:
         UsageError: they are no pairs of numbers by name.
@@ -43,15 +47,25 @@ def ranges_of(value: Any) -> Dict[str, Tuple[float, float]]:
     for name, pair in value.items():
         if not isinstance(name, str) or name.count("/") < 2 or not all(name.split("/")):
             raise UsageError(f"expected names in vary as MODEL/PLUGIN/KEY, found {shown(name)}")
-        try:
-            least, greatest = map(float, pair)
-        except (TypeError, ValueError):
-            least, greatest = math.nan, math.nan
+        ends = _array(pair)
+        if or_numbers and ends.ndim == 0:
+            ends = np.repeat(ends, 2)
+        least, greatest = ends.tolist() if ends.shape == (2,) else (math.nan, math.nan)
         if not -math.inf < least <= greatest < math.inf:
             expected = f'expected vary["{name}"] as a pair (least, greatest) of numbers'
-            raise UsageError(f"{expected}, found {shown(pair)}")
+            also = ", or a number" if or_numbers else ""
+            raise UsageError(f"{expected}{also}, found {shown(pair)}")
         ranges[name] = least, greatest
     return ranges
+
+
+def _array(value: Any) -> FloatArray:
+    """Numbers that a program has passed, as float64; empty if they are none."""
+    try:
+        array = np.asarray(value)
+    except ValueError:  # lists of unequal lengths
+        return np.zeros(0)
+    return array.astype(np.float64) if array.dtype.kind in "fiu" else np.zeros(0)
 
 
 def with_values(config: WorldConfig, values: Mapping[str, float]) -> WorldConfig:
@@ -109,7 +123,8 @@ def _entries(content: Mapping[str, Any]) -> Dict[str, Any]:
 def _set(node: Any, keys: Sequence[str], value: float, name: str) -> None:
     """Sets a number in a section; in a list, that of the entry with an index, or those of all."""
     key, *rest = keys
-    if isinstance(node, list) and not key.isdigit():
+    is_index = key.isdecimal() and len(key) < 10
+    if isinstance(node, list) and not is_index:
         for each in node:
             _set(each, keys, value, name)
         return
@@ -170,9 +185,7 @@ class Variation:
     def __bool__(self) -> bool:
         return bool(self._ranges)
 
-    def set(
-        self, core: _core.WorldBatch, given: Mapping[str, Any], mask: Optional[BoolArray]
-    ) -> None:
+    def set(self, core: _core.WorldBatch, given: Any, mask: Optional[BoolArray]) -> FloatArray:
         """Gives environments other values.
 
         Args:
@@ -180,9 +193,14 @@ class Variation:
             given: a number, or one for each environment (n,), by name.
             mask: which environments, (n,); None: all. Values of others do not count.
 
+        Returns:
+            The former values, for `put`.
+
         Raises:
             UsageError: a name or a value is wrong. Nothing has changed.
         """
+        if not isinstance(given, Mapping):
+            raise UsageError(f"expected vary as a dict of numbers by name, found {shown(given)}")
         values = self._values.copy()
         rows: Any = slice(None) if mask is None else mask
         for name, value in given.items():
@@ -191,14 +209,11 @@ class Variation:
                 known = listed(self._names)
                 raise UsageError(f"vary: there is no {shown(name)}{hint}; there are: {known}")
             values[rows, self._names.index(name)] = self._checked(name, value, rows)
-        self.put(core, values)
+        return self.put(core, values)
 
     def _checked(self, name: str, value: Any, rows: Any) -> FloatArray:
         count = len(self._values)
-        try:
-            numbers = np.asarray(value, np.float64)
-        except (TypeError, ValueError):
-            numbers = np.zeros(0)
+        numbers = _array(value)
         if numbers.shape not in ((), (count,)):
             expected = f'expected vary["{name}"] as a number, or {count} of them'
             raise UsageError(f"{expected}, found {shown(value)}")
@@ -212,12 +227,16 @@ class Variation:
             )
         return chosen
 
-    def put(self, core: _core.WorldBatch, values: FloatArray) -> None:
+    def put(self, core: _core.WorldBatch, values: FloatArray) -> FloatArray:
         """Gives all environments their values, (n, names).
+
+        Returns:
+            The former values.
 
         Raises:
             UsageError: a body cannot have its mass. Nothing has changed.
         """
+        former = self._values
         changed = (values != self._values).any(axis=1)
         if self.settings and changed.any():
             try:
@@ -228,6 +247,7 @@ class Variation:
         self._values = values
         for column, robot, number in self._noise_places:
             self.noises[robot][:, number] = values[:, column]
+        return former
 
     def of(self, environment: int) -> Optional[Dict[str, float]]:
         """The values in an environment; None if nothing varies."""
@@ -264,9 +284,7 @@ class Variation:
                         f"{shown(value)}"
                     )
                 values[k, column] = value
-        former = self._values
-        self.put(core, values)
-        return former
+        return self.put(core, values)
 
     # Which of the core's numbers follow
 
@@ -339,6 +357,8 @@ class Variation:
 
     def _is_equal(self, world: World, other: World, settings: IntArray, value: float) -> bool:
         """True if a world becomes equal to another one by these settings, and moves alike."""
+        if world.physics.grip_count != other.physics.grip_count:
+            return False  # without contacts, a drive of unlimited force moves alike
         found = []
         for each, varied in ((world, settings.tolist()), (other, [])):
             robots = self._robots(each)
@@ -349,6 +369,9 @@ class Variation:
             if varied:
                 core.set_settings(np.full((1, len(varied)), value), None)
             core.reset(None, None, out, None)
+            for plugin in roles_of(each):  # without noise, a drive has drawn no key
+                if plugin.role.drive is not None:
+                    core.seed(plugin.role.drive.drive, np.zeros(1, np.uint64), None)
             state = core.save_state(0) if len(each.physics.settings) == self._count else b""
             core.step(np.full((rows, len(robots[0].action_names)), 0.3), 20, 0.01, out)
             found.append((state, ranges.tobytes(), motions.tobytes()))

@@ -1,7 +1,6 @@
 """Arguments shared by several subcommands."""
 
 import argparse
-import math
 import re
 from pathlib import Path
 from typing import Any, Callable, Tuple
@@ -10,6 +9,10 @@ import yaml
 
 from flatland2d.cli.completion import FILES
 from flatland2d.simulation import Simulation
+
+_LARGEST = 1e9
+"""The greatest number of an argument, as in files."""
+_AT_MOST = f"{_LARGEST:g} at most"
 
 Subparsers = Any
 """The result of argparse's `add_subparsers`; its class has no public name."""
@@ -84,13 +87,15 @@ def open_simulation(options: argparse.Namespace, **more: Any) -> Simulation:
 
 
 def positive(text: str) -> float:
-    """A number above zero."""
-    return _number(text, lambda value: 0.0 < value < math.inf, "a number above 0")
+    """A number above zero, up to 1e9."""
+    return _number(text, lambda value: 0.0 < value <= _LARGEST, f"a number above 0, {_AT_MOST}")
 
 
 def not_negative(text: str) -> float:
-    """A number of zero or more."""
-    return _number(text, lambda value: 0.0 <= value < math.inf, "a number of 0 or more")
+    """A number of zero or more, up to 1e9."""
+    return _number(
+        text, lambda value: 0.0 <= value <= _LARGEST, f"a number of 0 or more, {_AT_MOST}"
+    )
 
 
 def whole_from(minimum: int) -> Callable[[str], int]:

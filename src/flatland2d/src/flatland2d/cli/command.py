@@ -30,6 +30,8 @@ def main(arguments: Optional[List[str]] = None) -> int:
         The exit code: 0, or 1 if something is wrong with files, models or the machine. Arguments
         that the command does not know end the process with 2.
     """
+    if sys.stderr is None:  # closed; no file that is opened later may get its number
+        sys.stderr = os.fdopen(os.open(os.devnull, os.O_WRONLY), "w")
     atexit.register(gc.freeze)  # no garbage collection at exit, to save time
     parser = argparse.ArgumentParser(
         prog="flatland", description="A 2D robot simulator: worlds in YAML, robots of plugins."
@@ -62,6 +64,10 @@ def main(arguments: Optional[List[str]] = None) -> int:
         code = _fail("\n".join(error.lines(lambda problem: problem.with_column)))
     except FlatlandError as error:
         code = _fail(f"flatland: {error}")
+    except FileNotFoundError as error:
+        if error.filename is not None:
+            raise
+        code = _fail("flatland: the working directory is not there")
     except OSError as error:
         if error.filename is not None:
             raise

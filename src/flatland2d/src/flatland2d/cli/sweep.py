@@ -8,7 +8,7 @@ from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 from typing import Callable, Iterator, List
 
-from flatland2d.cli.arguments import Subparsers, whole_from
+from flatland2d.cli.arguments import Subparsers, not_negative, whole_from
 from flatland2d.cli.sweep_progress import show_progress
 from flatland2d.cli.sweep_replay import replay
 from flatland2d.sweep.comparison import require_scipy
@@ -83,7 +83,7 @@ def add_parser(commands: Subparsers) -> None:
     )
     parser.add_argument(
         "--tolerance",
-        type=float,
+        type=not_negative,
         default=0.01,
         metavar="FRACTION",
         help="with --baseline: smaller changes for the worse are none (default: %(default)s)",

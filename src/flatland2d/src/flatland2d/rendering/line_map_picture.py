@@ -45,7 +45,8 @@ def save_line_map_picture(path: Path, line_map: LineMap) -> None:
             _draw(ImageCanvas(image, view), line_map)
             image.save(path)
     except (OSError, ValueError) as error:  # ValueError: an unknown file extension
-        raise FlatlandError(f"{path}: cannot be written: {error}") from None
+        reason = getattr(error, "strerror", None) or error
+        raise FlatlandError(f"{path}: cannot be written: {reason}") from None
 
 
 def _draw(canvas: Canvas, line_map: LineMap) -> None:

@@ -160,7 +160,8 @@ def save(
         else:
             renderer.image(view, sensors=sensors, names=names, trails=trails).save(path)
     except (OSError, ValueError) as error:  # ValueError: an unknown file extension
-        raise FlatlandError(f"{path}: cannot be written: {error}") from None
+        reason = getattr(error, "strerror", None) or error
+        raise FlatlandError(f"{path}: cannot be written: {reason}") from None
 
 
 def to_array(image: Image.Image) -> UInt8Array:

@@ -19,7 +19,7 @@ from typing import (
 from flatland2d.sweep.comparison import comparable
 from flatland2d.sweep.metrics import SUMMARISED, Metric
 from flatland2d.sweep.run import ESTIMATE_ENDS
-from flatland2d.sweep.tables import text_of
+from flatland2d.sweep.tables import one_line, text_of
 from flatland_server.exceptions import MissingPackageError, pip_install
 
 _LATEX = {
@@ -93,9 +93,7 @@ def markdown_table(summary: Summary, comparisons: Comparisons = ()) -> str:
             ends = [f" {cell.interval}" * bool(cell.interval) for cell in cells]
             values = [f", {cell.p}" * bool(cell.p) for cell in cells]
             lines.append([title, label, *map("".join, zip(texts, ends, values))])
-    return "".join(
-        f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |\n" for line in lines
-    )
+    return "".join(f"| {' | '.join(map(_in_markdown, line))} |\n" for line in lines)
 
 
 def latex_table(summary: Summary, comparisons: Comparisons = ()) -> str:
@@ -353,4 +351,9 @@ def _small(text: str) -> str:
 
 
 def _in_latex(text: str) -> str:
-    return "".join(_LATEX.get(each, each) for each in text)
+    return "".join(_LATEX.get(each) or one_line(each) for each in text)
+
+
+def _in_markdown(text: str) -> str:
+    """A cell of a table of Markdown."""
+    return one_line(text.replace("|", "\\|").replace("<", "\\<"))

@@ -215,7 +215,7 @@ def _index(entries: Sequence[Any], word: str, place: str, where: str) -> int:
     names = [str(each.get("name")) if isinstance(each, dict) else "" for each in entries]
     if word in names:
         return names.index(word)
-    if word.isdigit() and int(word) < len(entries):
+    if word in map(str, range(len(entries))):
         return int(word)
     raise _unknown(word, names, place, where)
 

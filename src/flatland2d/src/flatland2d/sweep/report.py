@@ -14,6 +14,7 @@ from flatland2d.sweep.metrics import SUMMARISED
 from flatland2d.sweep.run import RunObserver, SweepRun
 from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.settings import Scenario
+from flatland2d.sweep.tables import one_line
 from flatland_server.canvas import Canvas, Rgba
 from flatland_server.geometry import Point
 
@@ -98,7 +99,7 @@ def summary_cells(
 
 def text_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A table for a terminal."""
-    lines = [heads, *rows]
+    lines = [list(map(one_line, line)) for line in (heads, *rows)]
     widths = [max(len(line[i]) for line in lines) for i in range(len(heads))]
     return "\n".join(
         "  ".join(word.ljust(width) for word, width in zip(line, widths)).rstrip() for line in lines

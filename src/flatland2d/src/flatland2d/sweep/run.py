@@ -20,6 +20,9 @@ from flatland_server.geometry import Point, Pose, wrap_angle
 OTHER_COLUMNS = ("status", "error", "scenarios", "failed")
 """The columns of rows and of the summary that are no metrics and do not belong to a scenario."""
 
+_FARTHEST = 1e9
+"""The greatest coordinate of an estimate [m]."""
+
 ESTIMATE_ENDS = ("_low", "_high", "_count")
 """The ends of the names of columns beside that of a rate or mean."""
 
@@ -245,7 +248,12 @@ class SweepRun:
         Args:
             x: of the origin of its first body [m].
             y: likewise [m].
+
+        Raises:
+            UsageError: a number is not finite, or farther than 1e9 m.
         """
+        if not all(abs(each) <= _FARTHEST for each in (x, y)):  # or NaN
+            raise UsageError(f"expected an estimate within {_FARTHEST:g} m, found ({x:g}, {y:g})")
         self._score.add_error(math.dist(self.robot.pose[:2], (x, y)))
 
     def end(self) -> None:

@@ -14,6 +14,8 @@ from flatland_server.exceptions import FlatlandError, UsageError, YamlError, sho
 from flatland_server.timekeeper import Timekeeper
 
 MAX_SCENARIOS = 10_000_000
+_MOST_DIGITS = 30
+"""Of a seed in a list."""
 
 _TO_GOALS = (POLICY_DRIVER, "flatland2d.sweep.drivers:gaps", "flatland2d.sweep.orca:orca")
 """Controllers that are nothing without a goal."""
@@ -209,8 +211,12 @@ def _seeds(reader: YamlReader) -> Tuple[int, ...]:
         return tuple(range(reader.get_int("seeds", 1, minimum=1, maximum=MAX_SCENARIOS)))
     seeds: List[int] = []
     for word in reader.get_strings("seeds"):
-        if not word.isdigit():
-            reader.problem(f'expected seeds of 0 or more, found "{shortened(word)}"', "seeds")
+        if not (word.isdecimal() and len(word) <= _MOST_DIGITS):
+            reader.problem(
+                f"expected seeds of 0 or more, of at most {_MOST_DIGITS} digits, found "
+                f'"{shortened(word)}"',
+                "seeds",
+            )
         elif int(word) in seeds:
             reader.problem(f"the seed {word} is given twice", "seeds")
         else:

@@ -222,3 +222,8 @@ def text_of(value: Any) -> str:
     if isinstance(value, float) and not math.isfinite(value):
         return "nan" if math.isnan(value) else "inf" if value > 0 else "-inf"
     return repr(value) if isinstance(value, float) else _writable(str(value))
+
+
+def one_line(text: str) -> str:
+    """A text for a cell: line breaks and other characters that are not printable become blanks."""
+    return "".join(each if each.isprintable() else " " for each in text)

@@ -28,6 +28,7 @@ WRONG = [
     (lambda sim: sim.move("box", [0, 0]), UsageError, r"expected a pose \[x, y, yaw\], found \[0"),
     (lambda sim: sim.move("box", "here"), UsageError, "found 'here'"),
     (lambda sim: sim.move("box", None), UsageError, "found None"),
+    (lambda sim: sim.move("box", [0, 10**400, 0]), UsageError, r"\[x, y, yaw\], found \[0"),
     (lambda sim: sim.move("box", [0, math.nan, 0]), ModelError, "expected a finite pose, found"),
     (lambda sim: sim.spawn(ROBOT, 3), UsageError, "the model's name as a string, found 3"),
     (lambda sim: sim.move("box", [1e9, 0, 0]), ModelError, "cannot be there"),

@@ -112,6 +112,10 @@ def knocks(run):
         run.note_estimate(run.robot.pose.x, run.robot.pose.y + error)
 
 
+def strays(run, y):
+    run.note_estimate(0.0, float(y))
+
+
 class Word(str, enum.Enum):
     A = "a"
 

@@ -77,6 +77,14 @@ def test_contacts_commands_and_estimates_are_scored(settings_of):
     assert row["max_localization_error"] == pytest.approx(0.4)
 
 
+@pytest.mark.parametrize("y", ["nan", "inf", "-1e300"])
+def test_an_estimate_that_is_no_place_is_an_error(settings_of, y):
+    task = {**AHEAD, "controllers": controllers("strays", y=y), "goal": None}
+    [result] = results_of(settings_of(**task))
+
+    assert "expected an estimate within 1e+09 m, found (" in result.error
+
+
 def test_without_estimates_there_is_no_localization_error(settings_of):
     [result] = results_of(settings_of(**AHEAD, goal="[-1, 0]"))
 

@@ -110,6 +110,8 @@ def test_expressions_and_includes_are_resolved(folder, settings_of):
         ({"goal_distance": "[3, 1]"}, "the least and the largest distance"),
         ({"seeds": "[1, 1]"}, "the seed 1 is given twice"),
         ({"seeds": "0"}, "a whole number of 1 or more"),
+        ({"seeds": "[²]"}, 'expected seeds of 0 or more, of at most 30 digits, found "²"'),
+        ({"seeds": f"[{'9' * 5000}]"}, "at most 30 digits"),
         ({"parameters": "{speed: [1, 2]}"}, '"models.name.pose", found "speed"'),
         ({"parameters": "{/a: []}"}, "expected a value or a list of values"),
         (
@@ -140,6 +142,7 @@ def test_problems_are_reported_with_their_place(settings_of, keys, message):
         ),
         ({"parameters": "{models.robt.pose: [[0, 0, 0]]}"}, 'did you mean "robot"?'),
         ({"parameters": "{models.robot.plugins.lasr.range: 2}"}, 'did you mean "laser"?'),
+        ({"parameters": "{models.robot.plugins.².range: 2}"}, 'there is no "²"'),
     ],
 )
 def test_controllers_and_paths_are_checked_before_any_scenario(settings_of, keys, message):

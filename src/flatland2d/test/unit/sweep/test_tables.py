@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 import math
 from contextlib import closing
 
@@ -9,7 +10,8 @@ import pytest
 
 from flatland2d.sweep.intervals import mean, rate, t_quantile
 from flatland2d.sweep.metrics import SUMMARISED
-from flatland2d.sweep.paper import figure, markdown_table, with_metrics
+from flatland2d.sweep.paper import figure, latex_table, markdown_table, with_metrics
+from flatland2d.sweep.report import summary_cells, text_table
 from flatland2d.sweep.runner import Result
 from flatland2d.sweep.settings import scenarios_of
 from flatland2d.sweep.sweep import Journal, read_entries
@@ -99,6 +101,18 @@ def test_a_table_for_a_paper_has_the_metrics_that_were_chosen(settings_of):
     table = markdown_table(with_metrics(summary_rows([(scenario, entry)]), ["spl"]))
 
     assert [line.split(" | ")[1] for line in table.splitlines()[2:]] == ["runs", "SPL ↑", "n"]
+
+
+def test_names_with_any_characters_are_cells_of_one_line(settings_of):
+    name = "a|b\n\n_c & 5 %\r<b>\x1b[31m"
+    controllers = f"[{{name: {json.dumps(name)}, call: 'drivers.py:ahead'}}]"
+    [scenario, *_] = scenarios_of(settings_of(controllers=controllers))
+    summary = summary_rows([(scenario, Entry(Result({"success": True}, {}), 1.0, 1))])
+
+    [head, *_] = markdown_table(summary).splitlines()
+    assert head == "| world | metric | a\\|b  _c & 5 % \\<b> [31m |"
+    assert " & a|b  \\_c \\& 5 \\% $<$b> [31m \\\\" in latex_table(summary).splitlines()
+    assert len(text_table(*summary_cells(summary, is_brief=True)).splitlines()) == 2
 
 
 def test_a_metric_that_is_always_zero_has_no_panel():

@@ -87,7 +87,7 @@ class Ros2Node:
         self.distribution = distribution()
         self.command_type = cmd_vel_type or TWISTS[not "" < self.distribution < _STAMPED_SINCE]
         self._executor = SingleThreadedExecutor(context=self._context)
-        self._thread = threading.Thread(target=self._executor.spin, name="ros2", daemon=True)
+        self._thread = threading.Thread(target=self._spin, name="ros2", daemon=True)
         self._types = Types()
         self._budget = Budgets().open()  # of all that ROS 2 publishes
         self._graph: Optional[Graph] = None
@@ -134,6 +134,14 @@ class Ros2Node:
         self._context.try_shutdown()
 
     # On the executor's thread
+
+    def _spin(self) -> None:
+        """Serves the node, until it is closed."""
+        while not self._is_ending:
+            try:
+                self._executor.spin()
+            except Exception:  # of rclpy's own services, such as by a parameter of unknown type
+                logger.exception("a call by ROS 2 has failed")
 
     def _update(self) -> None:
         with self._lock:

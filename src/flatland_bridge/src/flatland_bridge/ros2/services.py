@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any, Callable, Dict, List
 
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 
 from flatland_bridge import simulation_types
 from flatland_bridge.client_calls import reason_of
@@ -20,6 +21,8 @@ logger = logging.getLogger(__name__)
 
 _MOST_CALLS = 50
 """Calls that go on at the same time; some wait for simulated time. Others are refused."""
+_QUEUE = 100
+"""Requests to a service that wait for the node. Others are lost: their callers wait for ever."""
 _STEPS = simulation_types.message("SimulatorFeatures").STEP_SIMULATION_ACTION
 
 
@@ -54,7 +57,10 @@ class Services:
 
     def _offer(self, name: str, kind: ServiceType) -> Any:
         service = self._node.create_service(
-            self._types.service(kind), name[1:], partial(self._begin, name, kind)
+            self._types.service(kind),
+            name[1:],
+            partial(self._begin, name, kind),
+            qos_profile=QoSProfile(depth=_QUEUE),
         )
         # rclpy sends what the callback returns, which is the response's future here.
         service.send_response = partial(self._send_later, service.send_response)

@@ -223,10 +223,10 @@ inline b2TreeNode*& Nodes(b2DynamicTree& tree) { return tree.*Member(TreeNodes()
 inline b2TreeNode*& Nodes(b2World& world) { return Nodes(Tree(world)); }
 inline int32& Root(b2DynamicTree& tree) { return tree.*Member(TreeRoot()); }
 inline int32& Root(b2World& world) { return Root(Tree(world)); }
-inline int32& NodeCapacity(b2DynamicTree& tree) { return tree.*Member(TreeNodeCapacity()); }
-inline int32& NodeCapacity(b2World& world) { return NodeCapacity(Tree(world)); }
+inline int32& NodeCapacity(b2World& world) { return Tree(world).*Member(TreeNodeCapacity()); }
 /// Number of nodes in use.
-inline int32& NodeCount(b2World& world) { return Tree(world).*Member(TreeNodeCount()); }
+inline int32& NodeCount(b2DynamicTree& tree) { return tree.*Member(TreeNodeCount()); }
+inline int32& NodeCount(b2World& world) { return NodeCount(Tree(world)); }
 /// The first of the nodes that are not in use, each of which names the next one.
 inline int32& FreeList(b2World& world) { return Tree(world).*Member(TreeFreeList()); }
 

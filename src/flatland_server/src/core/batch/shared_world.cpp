@@ -163,14 +163,19 @@ void SharedWorld::Begin(World& world, const SharedState& state) const {
 }
 
 void SharedWorld::Prefetch(SharedState& state, int distance) {
-  if (distance == 3) return PrefetchObject(state);
+  if (distance == 4) return PrefetchObject(state);
+  if (distance == 3) {
+    if (state.walls_ != nullptr) PrefetchObject(*state.walls_);
+    return PrefetchElements(state.held_);
+  }
   if (distance == 2) {
     PrefetchElements(state.bytes_);
     PrefetchElements(state.nearby_);
-    return PrefetchElements(state.held_);
+    for (const NearbyWalls::Held& held : state.held_) PrefetchElements(held);
+    return;
   }
   b2DynamicTree& tree = box2d::Tree(state.broad_phase_);
-  PrefetchBytes(box2d::Nodes(tree), box2d::NodeCapacity(tree) * sizeof(b2TreeNode));
+  PrefetchBytes(box2d::Nodes(tree), box2d::NodeCount(tree) * sizeof(b2TreeNode));
   for (const NearbyWalls::Held& held : state.held_) {
     for (const NearbyWalls::Block& block : held) PrefetchObject(*block.body);
   }

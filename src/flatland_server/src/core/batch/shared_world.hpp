@@ -71,8 +71,9 @@ class SharedWorld {
   /// null. It must be destroyed before the SharedWorld. Throws std::invalid_argument if the walls
   /// cannot be exchanged.
   std::unique_ptr<SharedState> MakeState(SharedState::Walls walls = nullptr);
-  /// Prefetches a state. To be called with a `distance` of 3, 2 and 1: first for the addresses of
-  /// its arrays, then for the ranges, and then for what these refer to.
+  /// Prefetches a state. To be called with a `distance` of kPrefetched down to 1: each call follows
+  /// the pointers that the call before has prefetched.
+  static constexpr int kPrefetched = 4;
   static void Prefetch(SharedState& state, int distance);
   /// The world while it is in a state, which keeps all changes. Only one may exist at a time.
   class Entered {

@@ -90,11 +90,11 @@ void WorldBatch::ForEach(const bool* mask, int width, Visit visit) {
       return row;
     };
     // The present row, and the next ones, which are prefetched meanwhile.
-    std::array<int, 4> rows;
+    std::array<int, SharedWorld::kPrefetched + 1> rows;
     int row = team_.Begin(i, count());
     for (int& each : rows) row = (each = first_from(row)) + 1;
     while (rows[0] < end) {
-      for (int k = 1; k < 4; ++k) {
+      for (int k = 1; k <= SharedWorld::kPrefetched; ++k) {
         if (rows[k] < end) Prefetch(rows[k], k);
       }
       Environment& environment = environments_[rows[0]];
@@ -110,13 +110,12 @@ void WorldBatch::Prefetch(int row, int distance) const {
   SharedWorld::Prefetch(*environments_[row].state, distance);
   for (int i = 0; i < robot_count(); ++i) {
     const SeenWalls& seen = seen_[int64_t{row} * robot_count() + i];
-    if (distance == 2) PrefetchBytes(&seen, offsetof(SeenWalls, walls));
+    if (distance == 3) PrefetchBytes(&seen, offsetof(SeenWalls, walls));
+    if (distance == 2 && seen.cell != nullptr) PrefetchBytes(seen.cell, 1);
     if (distance != 1) continue;
-    if (seen.known != nullptr) {
-      PrefetchBytes(seen.known, seen.known_count * sizeof(seen.known[0]));
-    } else {
-      PrefetchBytes(seen.walls, seen.count * sizeof(seen.walls[0]));
-    }
+    const WallList next =
+        seen.known.indices != nullptr ? seen.known : WallList{seen.walls, size_t(seen.count)};
+    PrefetchBytes(next.indices, next.count * sizeof(uint32_t));
   }
 }
 

@@ -160,8 +160,8 @@ class WorldBatch {
   /// each has a world and some of the environments.
   template <class Visit>
   void ForEach(const bool* mask, int width, Visit visit);
-  /// Prefetches what a visit of an environment will need. To be called 3, 2 and 1 visits before:
-  /// each call follows the pointers that the call before has prefetched.
+  /// Prefetches what a visit of an environment will need, as SharedWorld::Prefetch: `distance` is
+  /// how many visits come before it.
   void Prefetch(int row, int distance) const;
   void Advance(const bool* mask, const double* actions, int substeps, double dt,
                const BatchRows* rows, bool goes_on);

@@ -101,7 +101,9 @@ void BindWorld(py::module_& m) {
       .def_property_readonly("body_count",
                              [](const PyWorld& self) { return self.world->body_count(); })
       .def_property_readonly("joint_count",
-                             [](const PyWorld& self) { return self.world->joint_count(); });
+                             [](const PyWorld& self) { return self.world->joint_count(); })
+      .def_property_readonly("grip_count",
+                             [](const PyWorld& self) { return self.world->grip_count(); });
   BindScansOf(world);
   BindCrowdsOf(world);
 }

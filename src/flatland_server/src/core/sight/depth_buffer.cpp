@@ -279,9 +279,8 @@ void DepthBuffer::Draw(const SegmentTree& walls, const Pose& lidar, SeenWalls* l
   std::copy_n(seen.walls, last->count, last->walls);
 }
 
-void DepthBuffer::Draw(const SegmentTree& walls, const std::vector<uint32_t>& only,
-                       const Pose& lidar) {
-  DrawAll(walls.segments().data(), ViewFrom(lidar), only.data(), static_cast<int>(only.size()));
+void DepthBuffer::Draw(const SegmentTree& walls, WallList only, const Pose& lidar) {
+  DrawAll(walls.segments().data(), ViewFrom(lidar), only.indices, static_cast<int>(only.count));
 }
 
 void DepthBuffer::DrawCircle(Vec2 center, double radius) {

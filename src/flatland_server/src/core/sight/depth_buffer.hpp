@@ -45,7 +45,7 @@ class DepthBuffer {
   /// in its last scan make it faster, and are replaced; null if they are not known.
   void Draw(const SegmentTree& walls, const Pose& lidar, SeenWalls* seen = nullptr);
   /// Draws only the walls with these indices (VisibleWalls).
-  void Draw(const SegmentTree& walls, const std::vector<uint32_t>& only, const Pose& lidar);
+  void Draw(const SegmentTree& walls, WallList only, const Pose& lidar);
 
   /// Indices of the circles in range that what is drawn so far does not hide. Valid until the next
   /// call.

@@ -158,13 +158,14 @@ void Lidars::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& s
     if (!is_seen(layer) || !choose(layer->layers())) continue;
     const SegmentTree& walls = layer->walls();
     SeenWalls* const last = walls.segment_count() == most ? seen : nullptr;
-    const auto* const visible = layer->visible().From({pose.x, pose.y});
+    const void* cell = nullptr;
+    const WallList visible = layer->visible().From({pose.x, pose.y}, cell);
     if (last != nullptr) {
-      last->known = visible == nullptr ? nullptr : visible->data();
-      last->known_count = visible == nullptr ? 0 : static_cast<int>(visible->size());
+      last->known = visible;
+      last->cell = cell;
     }
-    if (visible != nullptr) {
-      buffer.Draw(walls, *visible, pose);
+    if (visible.indices != nullptr) {
+      buffer.Draw(walls, visible, pose);
     } else {
       buffer.Draw(walls, pose, last);
     }

@@ -7,17 +7,19 @@
 #include <cstdint>
 
 #include "base/geometry.hpp"
+#include "sight/wall_list.hpp"
 
 namespace flatland {
 
 struct SeenWalls {
   static constexpr int kMost = 250;
 
-  Vec2 place;                       ///< of the lidar, in the world [m]
-  int count = 0;                    ///< 0 if nothing is known
-  int known_count = 0;              ///< of the walls that are known to be visible from its cell
-  const uint32_t* known = nullptr;  ///< their indices, only to be fetched in time
-  uint32_t walls[kMost];            ///< indices, each of them once
+  Vec2 place;     ///< of the lidar, in the world [m]
+  int count = 0;  ///< 0 if nothing is known
+  // Only to be fetched in time: they may be gone.
+  WallList known;              ///< those known to be visible from its cell of the floor
+  const void* cell = nullptr;  ///< that cell
+  uint32_t walls[kMost];       ///< indices, each of them once
 };
 
 }  // namespace flatland

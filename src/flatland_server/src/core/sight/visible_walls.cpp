@@ -79,31 +79,34 @@ VisibleWalls::VisibleWalls(std::vector<Segment> segments, const SegmentTree::Pro
 }
 
 VisibleWalls::~VisibleWalls() {
-  for (int i = 0; i < columns_ * rows_; ++i) delete cells_[i].walls.load();
+  for (int i = 0; i < columns_ * rows_; ++i) delete[] cells_[i].walls.load();
 }
 
-const std::vector<uint32_t>* VisibleWalls::From(Vec2 point) const {
-  if (cells_ == nullptr) return nullptr;
+WallList VisibleWalls::From(Vec2 point, const void*& address) const {
+  if (cells_ == nullptr) return {};
   const double column = std::floor((point.x - origin_.x) / cell_size_);
   const double row = std::floor((point.y - origin_.y) / cell_size_);
-  if (!(column >= 0.0 && column < columns_ && row >= 0.0 && row < rows_)) return nullptr;
+  if (!(column >= 0.0 && column < columns_ && row >= 0.0 && row < rows_)) return {};
   Cell& cell = cells_[static_cast<int>(row) * columns_ + static_cast<int>(column)];
-  const std::vector<uint32_t>* const walls = cell.walls.load(std::memory_order_acquire);
-  if (walls != nullptr || cell.scans.load(std::memory_order_relaxed) >= kScansBefore) return walls;
-  if (cell.scans.fetch_add(1, std::memory_order_relaxed) + 1 != kScansBefore) return nullptr;
+  address = &cell;
+  const uint32_t* const walls = cell.walls.load(std::memory_order_acquire);
+  if (walls != nullptr) return {walls, cell.count};
+  if (cell.scans.load(std::memory_order_relaxed) >= kScansBefore) return {};
+  if (cell.scans.fetch_add(1, std::memory_order_relaxed) + 1 != kScansBefore) return {};
   return Find(cell, {origin_ + cell_size_ * Vec2{column, row},
                      origin_ + cell_size_ * Vec2{column + 1.0, row + 1.0}});
 }
 
 /// Called by only one thread for a cell.
-const std::vector<uint32_t>* VisibleWalls::Find(Cell& cell, const Box& box) const {
-  std::optional<std::vector<uint32_t>> walls = WallsSeenFrom(all_, *corners_, box);
-  if (!walls || walls->size() > all_.segment_count() / 2) return nullptr;  // the tree is as fast
-  walls->shrink_to_fit();
-  if (found_.fetch_add(walls->size()) + walls->size() > kMaxFound) return nullptr;
-  const auto* const found = new std::vector<uint32_t>(*std::move(walls));
+WallList VisibleWalls::Find(Cell& cell, const Box& box) const {
+  const std::optional<std::vector<uint32_t>> walls = WallsSeenFrom(all_, *corners_, box);
+  if (!walls || walls->size() > all_.segment_count() / 2) return {};  // the tree is as fast
+  if (found_.fetch_add(walls->size()) + walls->size() > kMaxFound) return {};
+  auto* const found = new uint32_t[walls->size()];
+  std::copy(walls->begin(), walls->end(), found);
+  cell.count = static_cast<uint32_t>(walls->size());
   cell.walls.store(found, std::memory_order_release);
-  return found;
+  return {found, cell.count};
 }
 
 }  // namespace flatland

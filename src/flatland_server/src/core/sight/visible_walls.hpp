@@ -14,6 +14,7 @@
 
 #include "base/geometry.hpp"
 #include "sight/segment_tree.hpp"
+#include "sight/wall_list.hpp"
 
 namespace flatland {
 
@@ -31,9 +32,15 @@ class VisibleWalls {
                                                    const SegmentTree::Progress& progress = {});
 
   const SegmentTree& all() const { return all_; }
-  /// Indices of walls that include all those that a lidar at a point can see, or null if these are
-  /// not known yet. Valid as long as this object. Several threads may call it at a time.
-  const std::vector<uint32_t>* From(Vec2 point) const;
+  /// Indices of walls that include all those that a lidar at a point can see, or no list
+  /// (null) if these are not known yet. Valid as long as this object. Several threads may call it
+  /// at a time.
+  WallList From(Vec2 point) const {
+    const void* cell;
+    return From(point, cell);
+  }
+  /// The same. Writes the address of what it looks up, for a later call from near there.
+  WallList From(Vec2 point, const void*& cell) const;
 
   /// Number of scans from a cell before its walls are found. Finding them takes as long as these
   /// scans.
@@ -42,10 +49,11 @@ class VisibleWalls {
  private:
   struct Cell {
     std::atomic<int> scans{0};
-    std::atomic<const std::vector<uint32_t>*> walls{nullptr};  // null before they are known
+    uint32_t count = 0;                           // of the walls
+    std::atomic<const uint32_t*> walls{nullptr};  // null before they and their count are known
   };
 
-  const std::vector<uint32_t>* Find(Cell& cell, const Box& box) const;
+  WallList Find(Cell& cell, const Box& box) const;
 
   SegmentTree all_;
   std::unique_ptr<const Corners> corners_;

@@ -180,6 +180,12 @@ class World : public Access, private b2DestructionListener {
   /// True if the joint still exists: until one of its bodies is removed.
   bool Contains(Joint joint) const { return joints_.Contains(joint); }
   int joint_count() const { return world_->GetJointCount() - grip_count(); }
+  /// The number of drives of limited force.
+  int grip_count() const {
+    int count = 0;
+    ForEachGrip([&](Body, const Grip&) { ++count; });
+    return count;
+  }
   /// Angle of b minus that of a, minus a weld's reference angle, within [-pi, pi] [rad].
   double GetJointAngle(Joint joint) const;
   /// The rate of that angle [rad/s].
@@ -322,11 +328,6 @@ class World : public Access, private b2DestructionListener {
     const_cast<Mechanisms&>(mechanisms_).ForEachActuator([&](Body body, Actuator& actuator) {
       if (const Grip* grip = actuator.grip()) visit(body, *grip);
     });
-  }
-  int grip_count() const {
-    int count = 0;
-    ForEachGrip([&](Body, const Grip&) { ++count; });
-    return count;
   }
   /// A copy that is in a state of this world.
   std::unique_ptr<World> Copy(const WorldState& state) const;

@@ -36,8 +36,14 @@ def read_config() -> RosConfig:
 
 
 def param(name: str, default: Any) -> Any:
-    """The value of a parameter of the node, else of the namespace above, and so on to the root."""
+    """The value of a parameter of the node, else of the namespace above, and so on to the root.
+
+    A launch file clears what a former one has set on this master with a blank.
+    """
     value = rospy.get_param(name, default)
+    if isinstance(value, str) and not value.strip() and not isinstance(default, str):
+        rospy.delete_param(name)
+        value = default
     found = rospy.search_param(name[1:]) if value is default else None
     if found is None or found == rospy.resolve_name(name):
         return value

@@ -541,7 +541,7 @@ def _pose_of(value: PoseLike) -> Pose:
     try:
         x, y, yaw = value
         pose = Pose(float(x), float(y), float(yaw))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         found = shortened(repr(value))
         raise UsageError(f"expected a pose [x, y, yaw], found {found}") from None
     if not pose.is_finite():
