@@ -7,7 +7,6 @@ import numpy as np
 from screen_pictures import near
 from window_map import RoomMap
 
-KNOB = (60, 130, 196)  # colour of the pad's knob
 STATES = {"paused": (0, 114, 178), "no server": (198, 40, 40)}
 BADGE = {"warning": (240, 196, 25), "error": (198, 40, 40)}
 WORLDS = Path(__file__).resolve().parents[2] / "flatland_server" / "worlds"
@@ -103,13 +102,9 @@ class RoomWindow:
         left = line[:, self.screen.px(2) : self.screen.px(80)].astype(int)
         return (abs(left - np.median(left)).max(axis=2) > 80).sum() > 40
 
-    def find_knob(self):
-        """The middle of the Drive panel's pad at rest; None if it is not shown."""
-        pixels = self.screen.picture("window_knob")
-        panel = self.screen.view(pixels)[1].stop
-        ys, xs = near(pixels[:, panel:], KNOB, 2).nonzero()
-        number = len(xs) / self.screen.kind.scale**2
-        return (panel + xs.mean(), ys.mean()) if 300 < number < 1500 else None
+    def is_driving_panel_open(self):
+        """True if the Drive panel has opened the robot's topic."""
+        return "/flatland_viz" in dict(self.ros.master.ask("getSystemState")[0]).get("/cmd_vel", ())
 
     @contextmanager
     def held(self, key):

@@ -1,5 +1,5 @@
 """Mouse and keyboard in the window and in plain rviz: models are spawned, dragged, turned and
-deleted, and the simulation is paused and slowed down. The server's topics have the results.
+deleted, and the simulation is paused. The server's topics have the results.
 """
 
 import math
@@ -255,18 +255,6 @@ def test_space_and_a_click_pause_and_resume(viewer):
     for is_paused in (True, False):
         viewer.screen.click(button)
         viewer.wait_until_paused(is_paused)
-
-
-def test_the_rate_is_set_by_key_and_dialog(viewer):
-    for rate in ("0.5", "1"):
-        viewer.press("r")
-        viewer.screen.wait_for_dialog("Change Rate")
-        viewer.picture("rate")
-        viewer.screen.key("ctrl+a")
-        viewer.screen.type(rate)
-        viewer.screen.key("Return")
-        viewer.waiting(lambda rate=rate: viewer.ros.state()["rate"] == float(rate), "the rate")
-        viewer.screen.wait_until_closed("Change Rate")
 
 
 def test_markers_alone_show_the_world(viewer, tmp_path):

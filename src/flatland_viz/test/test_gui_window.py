@@ -54,7 +54,7 @@ def test_reset_starts_again(paused):
     paused.ros.spawn(BOX, "crate", 2.0, 1.0)
     paused.wait_for_models("turtlebot", "crate")
     before = paused.ros.state()["stamp"]
-    paused.key("ctrl+r")
+    paused.key("r")
     paused.wait_for_models("turtlebot")
     assert paused.ros.state()["stamp"] >= before > 0.0  # time goes on
     paused.screen.picture("window_reset")
@@ -106,10 +106,15 @@ def test_clicks_on_the_status_line_pause_and_change_the_rate(window):
         window.screen.click(state)
         window.wait_for_state(paused=is_paused)
         window.waiting(lambda p=is_paused: window.says("paused") == p, "the status line")
-    window.screen.click((right - window.screen.px(230), row))
-    window.screen.wait_for_dialog("Change Rate")
-    window.screen.key("Escape")
-    window.screen.wait_until_closed("Change Rate")
+    for rate in ("0.5", "1"):
+        window.screen.click((right - window.screen.px(200), row))
+        window.screen.wait_for_dialog("Change Rate")
+        window.screen.key("ctrl+a")
+        window.screen.type(rate)
+        window.screen.picture("window_rate")
+        window.screen.key("Return")
+        window.wait_for_state(rate=float(rate))
+        window.screen.wait_until_closed("Change Rate")
 
 
 def test_the_timeline_goes_back_and_the_run_goes_on_from_there(window):
@@ -398,11 +403,11 @@ def drive(window):
     """The window with the Drive panel, and the robot at rest."""
     window.ros.call("/reset", restart_time=True)
     window.key("F4")
-    window.waiting(window.find_knob, "the pad")
+    window.waiting(window.is_driving_panel_open, "the panel")
     yield window
     window.screen.xdotool("keyup", "Up", "keyup", "a")
     window.key("F4")
-    window.waiting(lambda: not window.find_knob(), "the panel to close")
+    window.waiting(lambda: not window.is_driving_panel_open(), "the panel to close")
 
 
 def test_keys_drive_a_robot_until_they_are_released(drive):
@@ -435,21 +440,7 @@ def test_a_robot_stops_when_the_panel_loses_the_keyboard(drive):
         drive.screen.key("F4")
         drive.wait_for_rest()
     drive.key("F4")
-    drive.waiting(drive.find_knob, "the pad")
-
-
-def test_a_robot_is_driven_by_dragging_the_pad(drive):
-    x, y = drive.find_knob()
-    across, up = map(drive.screen.px, (28, 60))
-
-    def while_held():
-        forwards, turn = drive.command()
-        assert forwards == pytest.approx(0.5)
-        assert turn == pytest.approx(-0.5, abs=0.1)
-        drive.screen.picture("window_pad")
-
-    drive.screen.drag([(x + part * across, y - part * up) for part in (0.0, 0.5, 1.0)], while_held)
-    drive.wait_for_rest()
+    drive.waiting(drive.is_driving_panel_open, "the panel")
 
 
 def test_another_node_that_drives_the_same_robot_is_named(drive):
@@ -485,7 +476,7 @@ def test_robots_that_share_their_commands_are_a_problem(window):
     window.screen.key("Escape")
     window.screen.wait_until_closed("Problems")
     window.ros.call("/delete_model", name="r2")
-    window.key("ctrl+r")
+    window.key("r")
 
 
 def test_errors_of_diagnostics_are_red(window):

@@ -20,7 +20,12 @@ from flatland_viz.problem_sources import ProblemSources
 rospy.init_node("window")
 application = QCoreApplication([])
 sources = ProblemSources()
-sources.logged.connect(lambda *event: (print(event), application.quit()))
+def note(group, problems):
+    for problem in problems:
+        print(tuple(problem))
+        application.quit()
+
+sources.reported.connect(note)
 sources.start()
 transform = TransformStamped(child_frame_id="base")
 transform.header.frame_id = "map"
@@ -43,5 +48,5 @@ def test_a_transform_that_is_sent_again_and_again_is_a_problem(master):
         timeout=60,
     )
     text = "TF_REPEATED_DATA ignoring data with redundant timestamp for frame base"
-    source, what, is_error, _, times = literal_eval(run.stdout)
+    source, what, is_error, times, _ = literal_eval(run.stdout)
     assert (source, what, is_error, times) == ("transforms", text, False, 30)

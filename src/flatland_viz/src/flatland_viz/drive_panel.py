@@ -1,14 +1,16 @@
-"""The Drive panel: a robot is driven by keys or by a pad."""
+"""The Drive panel: a robot is driven by keys."""
 
-from typing import Any, Dict, List, Optional, Set
+from typing import Any, Dict, List, Optional, Set, Tuple
 
-from python_qt_binding.QtCore import QEvent, QObject, Qt
+from python_qt_binding.QtCore import QEvent, QLocale, QObject, Qt
+from python_qt_binding.QtGui import QValidator
 from python_qt_binding.QtWidgets import (
     QAbstractItemView,
     QAbstractSpinBox,
     QApplication,
     QComboBox,
     QDockWidget,
+    QDoubleSpinBox,
     QFormLayout,
     QLabel,
     QLineEdit,
@@ -18,16 +20,14 @@ from python_qt_binding.QtWidgets import (
     QWidget,
 )
 
-from flatland_teleop.driving_keys import HELP, SLOW
-from flatland_viz.drive_command import KEYS, Command, Speeds, of_keys, of_pad, velocity
-from flatland_viz.drive_pad import DrivePad
-from flatland_viz.drive_publisher import DrivePublisher
-from flatland_viz.drive_robots import Robot, robots_of
+from flatland_teleop.driving_keys import DIRECTIONS, HELP, SLOW, direction
+from flatland_viz.drive_publisher import DrivePublisher, Velocity
 from flatland_viz.model_list import Model
-from flatland_viz.number_field import NumberField
 from flatland_viz.selection import Selection
 from flatland_viz.settings import Settings
 
+_KEYS: Dict[int, str] = {getattr(Qt, f"Key_{key.capitalize()}"): key for key in DIRECTIONS}
+"""The names of Qt's keys that drive."""
 _SPEED, _TURN = "drive/speed", "drive/turn"
 _TYPING = (QLineEdit, QAbstractSpinBox, QTextEdit, QAbstractItemView)
 """Widgets that take the keys themselves."""
@@ -35,8 +35,25 @@ _AWAY = (QEvent.FocusOut, QEvent.Hide, QEvent.Close)
 _WARNING = "background: #fdf1cf; color: #5b4300; border-radius: 3px; padding: 4px"
 
 
+class NumberField(QDoubleSpinBox):
+    """A field for a number, with a decimal point in every locale, as in world files.
+
+    A comma becomes a point. A QDoubleSpinBox reads "1.5" as 15 in locales with a decimal comma: the
+    point separates groups of digits there. In others it drops a comma, with the same result.
+    """
+
+    def __init__(self, name: str) -> None:
+        super().__init__(objectName=name)
+        self.setLocale(QLocale.c())
+
+    def validate(self, text: str, cursor: int) -> Tuple[QValidator.State, str, int]:
+        """Checks what is typed."""
+        state, text, cursor = super().validate(text.replace(",", "."), cursor)
+        return state, text, cursor
+
+
 class DrivePanel(QDockWidget):
-    """Drives a robot while keys or the pad are held, and stops it when they are released.
+    """Drives a robot while keys are held, and stops it when they are released.
 
     Keys work in the whole window while the panel is open. The robot stops, too, when the window
     loses the keyboard and when the panel is closed.
@@ -50,18 +67,16 @@ class DrivePanel(QDockWidget):
         super().__init__("&Drive")
         self.setWindowTitle("Drive")
         self.toggleViewAction().setShortcut("F4")
-        self.toggleViewAction().setToolTip("Drive a robot by keys or mouse (F4)")
+        self.toggleViewAction().setToolTip("Drive a robot by keys (F4)")
         self.setObjectName("panel_drive")
         self._settings = settings
-        self._robots: List[Robot] = []
+        self._robots: Dict[str, Model] = {}
         self._held: Set[int] = set()
         self._is_slow = False
-        self._command = Command()
         self._publisher = DrivePublisher()
         self._publishers: Dict[str, List[str]] = {}
         self._filtered: Optional[QObject] = None
         self._build()
-        self._pad.moved.connect(lambda right, up: self._drive(of_pad(right, up)))
         self._choice.currentIndexChanged.connect(self._open)
         self.visibilityChanged.connect(lambda _: self._open())
         selection.changed.connect(self._choose)
@@ -72,37 +87,30 @@ class DrivePanel(QDockWidget):
     def _build(self) -> None:
         self._choice = QComboBox(objectName="drive_robot")
         self._choice.setFocusPolicy(Qt.TabFocus)  # the keys go on driving after a click
-        self._pad = DrivePad()
         self._speed = self._spin_box(_SPEED, 0.5, 0.05, 20.0, " m/s")
         self._turn = self._spin_box(_TURN, 1.0, 0.1, 20.0, " rad/s")
         self._turn_label = QLabel("Turn")
         self._now = QLabel(objectName="drive_now")
-        self._keys = QLabel(f"{HELP[0][0]}; {HELP[2][0]}: {HELP[2][1]}")
-        self._keys.setWordWrap(True)  # it must not widen the panel
-        self._keys.setAlignment(Qt.AlignHCenter)
-        font = self._keys.font()
-        font.setPointSizeF(0.9 * font.pointSizeF())
-        self._keys.setFont(font)
+        keys = QLabel("\n".join(f"{key}: {action}" for key, action in HELP))
+        keys.setWordWrap(True)  # it must not widen the panel
         self._notice = QLabel(objectName="drive_notice", wordWrap=True)
         self._notice.hide()
         form = QFormLayout()
         form.addRow("Robot", self._choice)
         form.addRow("Speed", self._speed)
         form.addRow(self._turn_label, self._turn)
+        form.addRow("Now", self._now)
         content = QWidget()
         layout = QVBoxLayout(content)
         layout.addWidget(self._notice)  # at the top: on a small screen, the bottom is hidden
         layout.addLayout(form)
-        layout.addWidget(self._pad, 0, Qt.AlignHCenter)
-        layout.addWidget(self._now, 0, Qt.AlignHCenter)
-        layout.addWidget(self._keys)
+        layout.addWidget(keys)
         layout.addStretch()
         area = QScrollArea()  # on a small screen
         area.setFrameShape(QScrollArea.NoFrame)
         area.setWidgetResizable(True)
         area.setWidget(content)
         self.setWidget(area)
-        self._show_command()
 
     def _spin_box(
         self, key: str, default: float, step: float, limit: float, unit: str
@@ -114,7 +122,7 @@ class DrivePanel(QDockWidget):
         box.setValue(self._settings.number(key, default))
         box.valueChanged.connect(lambda value: self._settings.set_number(key, value))
         box.valueChanged.connect(lambda _: self._send())
-        box.lineEdit().returnPressed.connect(lambda: self._pad.setFocus())
+        box.lineEdit().returnPressed.connect(self.setFocus)
         return box
 
     def start(self) -> None:
@@ -124,34 +132,31 @@ class DrivePanel(QDockWidget):
             self._filtered.installEventFilter(self)
 
     def stop(self) -> None:
-        """Stops the robot, even while keys or the pad are held."""
+        """Stops the robot, even while keys are held."""
         self._held.clear()
         self._is_slow = False
-        self._pad.release()
-        self._drive(Command())
+        self._send()
 
     @property
-    def _robot(self) -> Optional[Robot]:
-        name = self._choice.currentText()
-        return next((robot for robot in self._robots if robot.name == name), None)
+    def _robot(self) -> Optional[Model]:
+        return self._robots.get(self._choice.currentText())
 
     def set_models(self, models: Dict[str, Model]) -> None:
         """Sets the models in the world."""
         before = self._choice.currentText()
-        self._robots = robots = robots_of(models.values())
-        names = [robot.name for robot in robots]
-        if before not in names:
+        self._robots = {name: model for name, model in models.items() if model.command_topic}
+        if before not in self._robots:
             self.stop()  # keys held now must not drive the next robot
         self._choice.blockSignals(True)
         self._choice.clear()
-        self._choice.addItems(names)
-        self._choice.setCurrentIndex(max(0, names.index(before) if before in names else 0))
+        self._choice.addItems(self._robots)
+        self._choice.setCurrentIndex(max(0, self._choice.findText(before)))
         self._choice.blockSignals(False)
-        self.widget().setEnabled(bool(robots))
+        self.widget().setEnabled(bool(self._robots))
         self._open()
 
     def _choose(self, name: str) -> None:
-        if any(robot.name == name for robot in self._robots):
+        if name in self._robots:
             self._choice.setCurrentText(name)
 
     def _begin(self, name: str) -> None:
@@ -159,12 +164,12 @@ class DrivePanel(QDockWidget):
         self._choose(name)
         self.show()
         self.raise_()
-        self._pad.setFocus()
+        self.setFocus()
 
     def _open(self) -> None:
         """Opens the topic of the robot, while the panel can be seen."""
         robot = self._robot if self.isVisible() else None
-        topic = robot.topic if robot else ""
+        topic = robot.command_topic if robot else ""
         if not topic:
             self.stop()
         self._publisher.open(topic)
@@ -181,7 +186,7 @@ class DrivePanel(QDockWidget):
         self._show_notice()
 
     def _show_notice(self) -> None:
-        topic = self._robot.topic if self._robot else ""
+        topic = self._robot.command_topic if self._robot else ""
         nodes = self._publishers.get(topic, [])
         text = ""
         if not self._robots:
@@ -193,22 +198,17 @@ class DrivePanel(QDockWidget):
         self._notice.setStyleSheet(_WARNING if nodes else "")
         self._notice.setVisible(bool(text))
 
-    def _drive(self, command: Command) -> None:
-        self._command = command
-        self._send()
-
     def _send(self) -> None:
-        speeds = Speeds(self._speed.value(), self._turn.value())
+        """Commands the velocity of the keys that are held together."""
+        forwards, left, turn = direction(_KEYS[key] for key in self._held)
+        speed, rate = self._speed.value(), self._turn.value()
         factor = SLOW if self._is_slow else 1.0
-        self._publisher.command(velocity(self._command, speeds, factor))
-        self._show_command()
-
-    def _show_command(self) -> None:
-        x, y, turn = (value + 0.0 for value in self._publisher.velocity)  # no "-0.00"
-        sideways = f"  {y:+.2f} m/s sideways" if y else ""
-        self._now.setText(f"{x:+.2f} m/s{sideways}  {turn:+.2f}{self._turn.suffix()}")
-        factor = SLOW if self._is_slow else 1.0
-        self._pad.show_knob(-factor * self._command.turn, factor * self._command.forwards)
+        self._publisher.command(
+            Velocity(factor * speed * forwards, factor * speed * left, factor * rate * turn)
+        )
+        now = Velocity(*(value + 0.0 for value in self._publisher.velocity))  # no "-0.00"
+        sideways = f"  {now.y:+.2f} m/s sideways" if now.y else ""
+        self._now.setText(f"{now.x:+.2f} m/s{sideways}  {now.turn:+.2f}{self._turn.suffix()}")
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
         """Takes the keys of the window while the panel is open."""
@@ -225,7 +225,7 @@ class DrivePanel(QDockWidget):
             self._is_slow = is_press
             self._send()
             return False
-        if event.key() not in KEYS or not self.isVisible():
+        if event.key() not in _KEYS or not self.isVisible():
             return False
         is_for_others = bool(event.modifiers() & (Qt.ControlModifier | Qt.AltModifier))
         is_for_others |= isinstance(QApplication.focusWidget(), _TYPING)
@@ -236,5 +236,5 @@ class DrivePanel(QDockWidget):
         if not event.isAutoRepeat():
             self._is_slow = bool(event.modifiers() & Qt.ShiftModifier)
             (self._held.add if is_press else self._held.discard)(event.key())
-            self._drive(of_keys(self._held))
+            self._send()
         return True

@@ -1,13 +1,23 @@
 """Publishes the commands of the Drive panel."""
 
-from typing import Optional, Tuple
+from typing import NamedTuple, Optional
 
 import rospy
 from geometry_msgs.msg import Twist
 from python_qt_binding.QtCore import QObject, QTimer
 
 _PERIOD = 66  # ms: 15 Hz
-_ZERO = (0.0, 0.0, 0.0)
+
+
+class Velocity(NamedTuple):
+    """A planar velocity."""
+
+    x: float = 0.0
+    """Forwards [m/s]."""
+    y: float = 0.0
+    """To the left [m/s]."""
+    turn: float = 0.0
+    """Counter-clockwise [rad/s], or the steering angle of a tricycle [rad]."""
 
 
 class DrivePublisher(QObject):
@@ -20,7 +30,8 @@ class DrivePublisher(QObject):
         super().__init__()
         self._publisher: Optional[rospy.Publisher] = None
         self._topic = ""
-        self._velocity = _ZERO
+        self.velocity = Velocity()
+        """The present command."""
         self._timer = QTimer(self, interval=_PERIOD)
         self._timer.timeout.connect(self._publish)
 
@@ -28,30 +39,25 @@ class DrivePublisher(QObject):
         """Stops the former robot, and publishes on this topic; on none if it is empty."""
         if topic == self._topic:
             return
-        self.command(_ZERO)
+        self.command(Velocity())
         if self._publisher is not None:
             self._publisher.unregister()
         self._topic = topic
         self._publisher = rospy.Publisher(topic, Twist, queue_size=1) if topic else None
 
-    @property
-    def velocity(self) -> Tuple[float, float, float]:
-        """The present command: along x and y [m/s], and about z [rad/s]."""
-        return self._velocity
-
-    def command(self, velocity: Tuple[float, float, float]) -> None:
-        """Commands velocities along x and y [m/s], and about z [rad/s]."""
-        if self._publisher is None or velocity == self._velocity:
+    def command(self, velocity: Velocity) -> None:
+        """Commands a velocity."""
+        if self._publisher is None or velocity == self.velocity:
             return
-        self._velocity = velocity
+        self.velocity = velocity
         self._publish()
-        if velocity == _ZERO:
+        if velocity == Velocity():
             self._timer.stop()
         elif not self._timer.isActive():
             self._timer.start()
 
     def _publish(self) -> None:
         message = Twist()
-        message.linear.x, message.linear.y, message.angular.z = self._velocity
+        message.linear.x, message.linear.y, message.angular.z = self.velocity
         if self._publisher is not None and not rospy.is_shutdown():
             self._publisher.publish(message)

@@ -1,6 +1,5 @@
 """The end of the window's process, within the second and a half that roslaunch gives it."""
 
-import ctypes
 import logging
 import os
 import signal
@@ -14,7 +13,8 @@ from typing import Any, Callable, List, NoReturn
 import rosgraph
 import rospy
 
-_LIBRARY = "libflatland_viz_tools.so"
+from flatland_viz.native import library
+
 _LIMIT = 2.0  # s
 
 
@@ -31,22 +31,15 @@ def shut_down(others: List[Callable[[], None]]) -> None:
     def rospy_node() -> None:
         rospy.signal_shutdown("the window is closed")
 
+    rviz_node: Callable[[], object] = library().flatland_viz_shut_down_roscpp
     threads = [
-        threading.Thread(target=each, daemon=True) for each in (*others, rospy_node, _rviz_node)
+        threading.Thread(target=each, daemon=True) for each in (*others, rospy_node, rviz_node)
     ]
     for thread in threads:
         thread.start()
     end = time.monotonic() + _LIMIT
     for thread in threads:
         thread.join(max(0.0, end - time.monotonic()))
-
-
-def _rviz_node() -> None:
-    try:
-        library = ctypes.CDLL(_LIBRARY)
-    except OSError:
-        return  # a broken installation, which was logged when the window opened
-    library.flatland_viz_shut_down_roscpp()
 
 
 def end_launch(server: Callable[[], None]) -> None:

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from python_qt_binding.QtWidgets import QApplication, QDialog, QFileDialog, QWidget
+from python_qt_binding.QtWidgets import QDialog, QFileDialog, QWidget
 
-from flatland_viz.window_size import first_size
+from flatland_viz.window_size import on_screen
 
 
 def ask_for_file(parent: QWidget, title: str, start: str, kinds: str, is_new: bool = False) -> str:
@@ -28,8 +28,7 @@ def ask_for_file(parent: QWidget, title: str, start: str, kinds: str, is_new: bo
         dialog.selectFile(str(path))
     else:
         dialog.setFileMode(QFileDialog.ExistingFile)
-    available = first_size(QApplication.primaryScreen().availableSize())
-    dialog.resize(available.boundedTo(dialog.sizeHint()))
+    dialog.resize(on_screen(dialog.sizeHint().width(), dialog.sizeHint().height()))
     chosen = dialog.selectedFiles() if dialog.exec_() == QDialog.Accepted else []
     dialog.deleteLater()
     return str(chosen[0]) if chosen else ""

@@ -3,21 +3,19 @@
 from html import escape
 from typing import Iterable, List, Sequence, Tuple
 
-from python_qt_binding.QtCore import QSize, Qt
+from python_qt_binding.QtCore import Qt
 from python_qt_binding.QtGui import QKeySequence
 from python_qt_binding.QtWidgets import (
-    QApplication,
     QDialog,
     QDialogButtonBox,
-    QFrame,
-    QLabel,
     QMenu,
-    QScrollArea,
+    QTextBrowser,
     QVBoxLayout,
+    QWidget,
 )
 
 from flatland_teleop.driving_keys import HELP
-from flatland_viz.window_size import first_size
+from flatland_viz.window_size import on_screen
 
 Rows = List[Tuple[str, str]]
 """Keys and their actions."""
@@ -64,31 +62,20 @@ class KeysDialog(QDialog):
 
     Args:
         parent: the window.
-        columns: of titled tables; stacked on a screen that is too narrow.
+        columns: of titled tables.
     """
 
-    def __init__(self, parent: object, columns: Sequence[Sequence[Tuple[str, Rows]]]) -> None:
+    def __init__(self, parent: QWidget, columns: Sequence[Sequence[Tuple[str, Rows]]]) -> None:
         super().__init__(parent)
         self.setObjectName("keys_dialog")
         self.setWindowTitle("Keys and Mouse")
         self.setAttribute(Qt.WA_DeleteOnClose)
-        label = QLabel(page(columns))
-        label.setTextFormat(Qt.RichText)
-        label.setAlignment(Qt.AlignTop)
+        text = QTextBrowser()
+        text.setLineWrapMode(QTextBrowser.NoWrap)
+        text.setHtml(page(columns))
         buttons = QDialogButtonBox(QDialogButtonBox.Close)
         buttons.rejected.connect(self.close)
-        area = QScrollArea()
-        area.setFrameShape(QFrame.NoFrame)
-        area.setWidget(label)
         layout = QVBoxLayout(self)
-        layout.addWidget(area)
+        layout.addWidget(text)
         layout.addWidget(buttons)
-        bar = area.verticalScrollBar().sizeHint().width()
-        available = first_size(QApplication.primaryScreen().availableSize())
-        if label.sizeHint().width() + 2 * bar > available.width():
-            label.setText(page([[table for column in columns for table in column]]))
-            label.adjustSize()
-        margins = layout.contentsMargins()
-        width = 2 * bar + margins.left() + margins.right()
-        wanted = label.sizeHint() + QSize(width, buttons.sizeHint().height() + 3 * bar)
-        self.resize(available.boundedTo(wanted))
+        self.resize(on_screen(860, 640))

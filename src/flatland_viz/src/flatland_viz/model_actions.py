@@ -1,17 +1,17 @@
-"""Actions on the selected model: in the side panel, in its menu, by keys."""
+"""Actions on the selected model: in its menu, by keys, and by buttons of the side panel."""
 
 import math
-from typing import Any, Callable, Dict, Optional, Tuple
+import re
+from typing import Callable, Dict, Optional, Tuple
 
 from python_qt_binding.QtCore import QObject, Signal
-from python_qt_binding.QtGui import QCursor, QKeySequence
-from python_qt_binding.QtWidgets import QAction, QApplication, QDialog, QMenu, QWidget
+from python_qt_binding.QtGui import QCursor
+from python_qt_binding.QtWidgets import QAction, QApplication, QInputDialog, QMenu, QWidget
 
-from flatland_viz.interaction import Interaction
+from flatland_viz.actions import add_action
 from flatland_viz.model_list import Model, free_name, namespace_of_copy
-from flatland_viz.move_dialog import MoveDialog
 from flatland_viz.selection import Selection
-from flatland_viz.server import Pose, Server
+from flatland_viz.services import Pose, Services
 from flatland_viz.status import Simulation
 from flatland_viz.topic_values import number
 
@@ -23,9 +23,8 @@ class ModelActions(QObject):
 
     Args:
         window: the parent of dialogs and menus; the keys hold in it.
-        server: carries out the actions.
+        services: carry out the actions.
         selection: the selected model.
-        interaction: tool that selects and drags models.
         follow: makes the view follow a model by its name; the empty string ends that.
     """
 
@@ -37,50 +36,38 @@ class ModelActions(QObject):
     def __init__(
         self,
         window: QWidget,
-        server: Server,
+        services: Services,
         selection: Selection,
-        interaction: Interaction,
         follow: Callable[[str], None],
     ) -> None:
         super().__init__(window)
         self._window = window
-        self._server = server
+        self._services = services
         self._selection = selection
-        self._interaction = interaction
         self._follow_model = follow
         self._followed = ""
         self._models: Dict[str, Model] = {}
         self.has_edited = False
         """True if models have been changed in this window since they were saved."""
-        self.follow = self._action("&Follow", "follow", self._toggle_follow, "F")
+        self.follow = add_action(window, "&Follow", self._toggle_follow, "F")
         self.follow.setCheckable(True)
-        self.drive = self._action("&Drive", "drive", self._drive)
-        self.copy_pose = self._action("&Copy pose", "copy_pose", self._copy_pose, "Ctrl+C")
-        self.move_to = self._action("&Move to...", "move_to", self._ask_where, "M")
-        self.duplicate = self._action("Dup&licate", "duplicate", self._duplicate, "Ctrl+D")
-        self.delete = self._action("D&elete", "delete", self._delete, "Delete")
-        self.undo = self._action("&Undo", "undo", lambda: server.undo(self._note_edit), "Ctrl+Z")
-        self.redo = self._action(
-            "&Redo", "redo", lambda: server.redo(self._note_edit), "Ctrl+Shift+Z"
+        self.drive = add_action(window, "&Drive", self._drive)
+        self.copy_pose = add_action(window, "&Copy pose", self._copy_pose, "Ctrl+C")
+        self.move_to = add_action(window, "&Move to...", self._ask_where, "Ctrl+M")
+        self.duplicate = add_action(window, "Dup&licate", self._duplicate, "Ctrl+D")
+        self.delete = add_action(window, "D&elete", self._delete, "Delete")
+        self.undo = add_action(window, "&Undo", lambda: services.undo(self._note_edit), "Ctrl+Z")
+        self.redo = add_action(
+            window, "&Redo", lambda: services.redo(self._note_edit), "Ctrl+Shift+Z"
         )
         for action in (self.undo, self.redo):
             action.setEnabled(False)  # until the server tells
-        self._menu = QMenu(window, objectName="menu_model")
+        self._menu = QMenu(window)
         self.fill(self._menu)
-        selection.changed.connect(self._show)
-        interaction.edited.connect(self._note_edit)
-        interaction.menu_asked.connect(lambda name: self._menu.popup(QCursor.pos()))
+        selection.changed.connect(lambda name: self._show())
+        selection.edited.connect(self._note_edit)
+        selection.menu_asked.connect(lambda: self._menu.popup(QCursor.pos()))
         self._show()
-
-    def _action(self, text: str, name: str, do: Callable[[], None], key: str = "") -> QAction:
-        action = QAction(text, self._window, objectName=f"action_{name}")
-        action.triggered.connect(lambda checked: do())
-        action.setAutoRepeat(False)
-        if key:
-            action.setShortcut(QKeySequence(key))
-            action.setToolTip(f"{text.replace('&', '').rstrip('.')} ({key})")
-        self._window.addAction(action)
-        return action
 
     @property
     def all(self) -> Tuple[QAction, ...]:
@@ -118,10 +105,10 @@ class ModelActions(QObject):
     @property
     def _pose(self) -> Optional[Pose]:
         """The pose of the selected model."""
-        state = self._interaction.state
+        state = self._selection.state
         return (state["x"], state["y"], state["theta"]) if state else None
 
-    def _show(self, *_: Any) -> None:
+    def _show(self) -> None:
         model = self._model
         for action in self.all:
             action.setEnabled(model is not None)
@@ -149,17 +136,23 @@ class ModelActions(QObject):
     def _copy_pose(self) -> None:
         pose = self._pose
         if pose is not None:
-            text = f"[{number(pose[0], 3)}, {number(pose[1], 3)}, {number(pose[2], 4)}]"
-            QApplication.clipboard().setText(text)
-            self.hint.emit(f"Copied {text}, as in a world file")
+            QApplication.clipboard().setText(text_of(pose))
+            self.hint.emit(f"Copied {text_of(pose)}, as in a world file")
 
     def _ask_where(self) -> None:
         name, pose = self._selection.name, self._pose
         if pose is None:
             return
-        dialog = MoveDialog(self._window, name, pose)
-        if dialog.exec_() == QDialog.Accepted:
-            self._server.move(name, dialog.pose, self._note_edit)
+        text, is_given = QInputDialog.getText(
+            *(self._window, f"Move {name}", "x [m], y [m], yaw [rad], as in a world file:"),
+            text=text_of(pose),
+        )
+        if is_given:
+            wanted = pose_in(text)
+            if wanted is None:
+                self.hint.emit(f"{text} is no pose")
+            else:
+                self._services.move(name, wanted, self._note_edit)
 
     def _note_edit(self) -> None:
         self.has_edited = True
@@ -180,15 +173,25 @@ class ModelActions(QObject):
             self._selection.select(name)
             self._note_edit()
 
-        self._server.spawn(model.file, name, own, (x, y, pose[2]), spawned)
+        self._services.spawn(model.file, name, own, (x, y, pose[2]), spawned)
 
     def _delete(self) -> None:
         name = self._selection.name
         if self._model is None:
             return
 
-        def deleted() -> None:
-            self.hint.emit(f"Deleted {name}.")
-            self._note_edit()
+        self._services.delete(name, self._note_edit)
 
-        self._server.delete(name, deleted)
+
+def text_of(pose: Pose) -> str:
+    """A pose as in a world file."""
+    return f"[{number(pose[0], 3)}, {number(pose[1], 3)}, {number(pose[2], 4)}]"
+
+
+def pose_in(text: str) -> Optional[Pose]:
+    """The pose that is written in a text, in brackets or not; None if it has not three numbers."""
+    try:
+        x, y, yaw = (float(part) for part in re.split(r"[\s,]+", text.strip("[] \t")))
+    except ValueError:
+        return None
+    return (x, y, yaw) if all(map(math.isfinite, (x, y, yaw))) else None

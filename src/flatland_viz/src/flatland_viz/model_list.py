@@ -31,6 +31,8 @@ class Model(NamedTuple):
     topics: Tuple[Topic, ...]
     size: float
     """The longest side of the boxes around its bodies [m]."""
+    steers: bool
+    """True if its commands have a steering angle instead of a yaw rate."""
 
     @property
     def command_topic(self) -> str:
@@ -63,6 +65,7 @@ def _model(info: Any) -> Model:
             for topic in plugin.topics
         ),
         max(sides, default=0.0),
+        any(plugin.type.endswith("TricycleDrive") for plugin in info.plugins),
     )
 
 

@@ -1,8 +1,8 @@
 """The side panel: all models, and the details of the selected one."""
 
-import math
+from html import escape
 from pathlib import Path
-from typing import Any, Dict, List, Optional
+from typing import Dict, List, Optional
 
 from python_qt_binding.QtCore import QSize, Qt, QTimer
 from python_qt_binding.QtGui import QColor, QIcon, QKeySequence, QPainter, QPalette, QPixmap
@@ -11,7 +11,6 @@ from python_qt_binding.QtWidgets import (
     QFormLayout,
     QFrame,
     QGridLayout,
-    QHeaderView,
     QLabel,
     QLineEdit,
     QListWidget,
@@ -20,19 +19,16 @@ from python_qt_binding.QtWidgets import (
     QShortcut,
     QSizePolicy,
     QToolButton,
-    QTreeWidget,
-    QTreeWidgetItem,
     QVBoxLayout,
     QWidget,
 )
 
-from flatland_viz.interaction import Interaction
-from flatland_viz.labels import ElidedLabel, QuietLabel, SelectableLabel, quiet
+from flatland_viz.labels import ElidedLabel, SelectableLabel
 from flatland_viz.model_actions import ModelActions
 from flatland_viz.model_list import Model, Topic, sorted_topics
-from flatland_viz.plot_launcher import HINT, offer_plots
 from flatland_viz.selection import Selection
-from flatland_viz.topic_monitor import Reading, TopicMonitor
+from flatland_viz.topic_monitor import TopicMonitor
+from flatland_viz.topic_tree import TopicTree
 from flatland_viz.topic_values import position, velocity
 from flatland_viz.world_files import label
 
@@ -47,9 +43,7 @@ _SELECTED = QColor(70, 76, 84)
 class ModelPanel(QDockWidget):
     """A list of the models, and the selected one's pose, speed, plugins, topics and actions."""
 
-    def __init__(
-        self, selection: Selection, interaction: Interaction, actions: ModelActions
-    ) -> None:
+    def __init__(self, selection: Selection, actions: ModelActions) -> None:
         super().__init__("Models")
         self.setObjectName("panel_models")
         self.setFeatures(QDockWidget.DockWidgetClosable | QDockWidget.DockWidgetMovable)
@@ -89,8 +83,8 @@ class ModelPanel(QDockWidget):
         content.setMinimumWidth(max(_WIDTH, self._details.least_width + left + right + bar))
         self.setWidget(content)
         self._list.currentItemChanged.connect(self._on_chosen)
-        selection.changed.connect(self._show_selected)
-        interaction.state_changed.connect(self._details.show_state)
+        selection.changed.connect(lambda name: self._show_selected())
+        selection.state_changed.connect(self._show_state)
         self._reader = QTimer(self)
         self._reader.timeout.connect(self._read_topics)
         self._reader.start(_READ_PERIOD)
@@ -141,14 +135,22 @@ class ModelPanel(QDockWidget):
     def _on_chosen(self, item: Optional[QListWidgetItem]) -> None:
         self._selection.select(item.text() if item is not None else "")
 
-    def _show_selected(self, *_: Any) -> None:
+    def _show_selected(self) -> None:
         name = self._selection.name
         found = self._list.findItems(name, Qt.MatchExactly) if name else []
         self._list.blockSignals(True)
         self._list.setCurrentItem(found[0] if found else None)
         self._list.blockSignals(False)
         self._details.show_model(self._models.get(name))
+        self._show_state()
         self._watch()
+
+    def _show_state(self) -> None:
+        state = self._selection.state
+        self._details.show_pose(
+            position(state["x"], state["y"], state["theta"]) if state else "",
+            velocity(state["vx"], state["vy"], state["omega"]) if state else "",
+        )
 
     def _watch(self) -> None:
         """Subscribes to the topics on display, and to none while the panel is hidden."""
@@ -158,7 +160,7 @@ class ModelPanel(QDockWidget):
 
     def _read_topics(self) -> None:
         if self.isVisible():
-            self._details.show_readings(self._monitor.readings(self._time))
+            self._details.topics.show_readings(self._monitor.readings(self._time))
 
 
 class _Details(QWidget):
@@ -168,8 +170,7 @@ class _Details(QWidget):
         super().__init__()
         column = QVBoxLayout(self)
         column.setContentsMargins(0, _MARGIN, 0, 0)
-        self._empty = QuietLabel("Click a model on the map or in the list.")
-        self._empty.setObjectName("model_none")
+        self._empty = QLabel("Click a model on the map or in the list.")
         self._empty.setWordWrap(True)
         self._empty.setAlignment(Qt.AlignTop | Qt.AlignLeft)
         self._content = QWidget()
@@ -177,7 +178,7 @@ class _Details(QWidget):
         column.addWidget(self._content, 1)
         rows = QVBoxLayout(self._content)
         rows.setContentsMargins(0, 0, 0, 0)
-        self._name = ElidedLabel(objectName="model_name")
+        self._name = ElidedLabel(Qt.ElideMiddle, objectName="model_name")
         font = self._name.font()
         font.setBold(True)
         font.setPointSizeF(1.15 * font.pointSizeF())
@@ -195,19 +196,8 @@ class _Details(QWidget):
         self._file = self._row("File", "model_file")
         self._plugins = self._row("Plugins", "model_plugins")
         rows.addLayout(self._form)
-        self._topics = QTreeWidget(objectName="model_topics")
-        self._topics.setRootIsDecorated(False)
-        self._topics.setIndentation(10)
-        self._topics.setSelectionMode(QTreeWidget.NoSelection)
-        self._topics.setFocusPolicy(Qt.NoFocus)
-        self._topics.setFrameShape(QFrame.NoFrame)
-        self._topics.setHeaderLabels(["Topic", "Hz"])
-        header = self._topics.header()
-        header.setStretchLastSection(False)
-        header.setSectionResizeMode(0, QHeaderView.Stretch)
-        header.setSectionResizeMode(1, QHeaderView.ResizeToContents)
-        offer_plots(self._topics)
-        rows.addWidget(self._topics, 1)
+        self.topics = TopicTree()
+        rows.addWidget(self.topics, 1)
         rows.addStretch(0)  # takes the place of hidden topics
         self.show_model(None)
 
@@ -215,7 +205,7 @@ class _Details(QWidget):
         field = SelectableLabel(objectName=name)
         field.setWordWrap(True)
         field.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Preferred)  # never widens the panel
-        self._form.addRow(QuietLabel(text), field)
+        self._form.addRow(text, field)
         return field
 
     @property
@@ -228,60 +218,28 @@ class _Details(QWidget):
         self._content.setVisible(model is not None)
         if model is None:
             return
-        if model.name != self._name.text():
-            self._pose.clear()
-            self._speed.clear()
-        self._name.setText(model.name)
+        self._name.show_line(escape(model.name))
         self._namespace.setText(f"/{model.namespace}" if model.namespace else "\u2013")
         self._file.setText(label(Path(model.file)) if model.file else "\u2013")
         self._file.setToolTip(model.file)
         failed = [f"{name} has failed" for name in model.failed]
         self._plugins.setText(", ".join([*model.plugins, *failed]) or "\u2013")
-        topics = _shown_topics(model)
-        self._topics.setVisible(bool(topics))
-        self._topics.clear()
-        for topic in topics:
-            item = QTreeWidgetItem([_short(topic.name, model.namespace), "..."])
-            item.setToolTip(0, f"{topic.name}\n{topic.type}\n{_direction(topic)}\n{HINT}")
-            item.setData(0, Qt.UserRole, topic.name)
-            item.setTextAlignment(1, Qt.AlignRight | Qt.AlignVCenter)
-            self._topics.addTopLevelItem(item)
+        self.topics.show_topics(_shown_topics(model), model.namespace)
 
     def heightForWidth(self, width: int) -> int:  # noqa: N802
         """The height below which a scroll area scrolls, with the list of topics at its minimum."""
         return int(self._content.layout().minimumHeightForWidth(width)) + _MARGIN
 
-    def show_state(self, state: Dict[str, Any]) -> None:
-        if state:
-            self._pose.setText(position(state["x"], state["y"], state["theta"]))
-            self._speed.setText(velocity(state["vx"], state["vy"], state["omega"]))
-
-    def show_readings(self, readings: Dict[str, Reading]) -> None:
-        for index in range(self._topics.topLevelItemCount()):
-            item = self._topics.topLevelItem(index)
-            reading = readings.get(item.data(0, Qt.UserRole))
-            if reading is not None:
-                item.setText(1, "..." if reading.rate is None else _rate(reading.rate))
-                self._show_value(item, reading.value)
-
-    def _show_value(self, item: QTreeWidgetItem, value: str) -> None:
-        """Shows the last message of a topic in a line of its own."""
-        if not item.childCount():
-            if not value:
-                return
-            line = QTreeWidgetItem(item)
-            item.setExpanded(True)
-            line.setFirstColumnSpanned(True)
-        item.child(0).setForeground(0, quiet(self._topics.palette().color(QPalette.Text)))
-        item.child(0).setText(0, value)
-        item.child(0).setToolTip(0, value)
+    def show_pose(self, pose: str, speed: str) -> None:
+        self._pose.setText(pose)
+        self._speed.setText(speed)
 
 
 def _buttons(actions: ModelActions) -> QGridLayout:
     grid = QGridLayout()
     grid.setSpacing(4)
     for index, action in enumerate(actions.all):
-        button = QToolButton(objectName=action.objectName().replace("action", "button"))
+        button = QToolButton()
         button.setDefaultAction(action)
         button.setToolButtonStyle(Qt.ToolButtonTextOnly)
         button.setSizePolicy(QSizePolicy.Expanding, QSizePolicy.Fixed)
@@ -295,20 +253,6 @@ def _shown_topics(model: Optional[Model]) -> List[Topic]:
         return []
     by_name = {topic.name: topic for topic in sorted_topics(model.topics)}
     return list(by_name.values())
-
-
-def _short(topic: str, namespace: str) -> str:
-    prefix = f"/{namespace}/"
-    return topic[len(prefix) :] if namespace and topic.startswith(prefix) else topic
-
-
-def _direction(topic: Topic) -> str:
-    verb = "published" if topic.is_published else "subscribed"
-    return f"{verb} by {topic.plugin}"
-
-
-def _rate(rate: float) -> str:
-    return f"{rate:.0f}" if rate >= 9.95 or math.isclose(rate, round(rate)) else f"{rate:.1f}"
 
 
 def _dot(color: Optional[str], ratio: float) -> QIcon:

@@ -21,7 +21,7 @@ from python_qt_binding.QtWidgets import (
 
 from flatland_viz.problem_sources import ProblemSources
 from flatland_viz.problems import Problem, Problems, summary
-from flatland_viz.window_size import first_size
+from flatland_viz.window_size import on_screen
 
 _STYLE = (
     "QToolButton {{ background: {}; color: {}; border: 0; border-radius: 3px; padding: 1px 8px }}"
@@ -48,19 +48,9 @@ class ProblemBadge(QToolButton):
         self.setToolTip("What the server, /diagnostics and transforms warn of. Click to read it.")
         self._problems = Problems()
         self._list: Optional[ProblemList] = None
-        line.insertPermanentWidget(1, self)  # behind the hint
+        line.insertPermanentWidget(2, self)  # behind the hint and the notice of transforms
         self.clicked.connect(self._open)
-        sources.logged.connect(self._add)
-        sources.ended.connect(self._end)
-        sources.lasts.connect(self._report)
-        self._show_count()
-
-    def _add(self, source: str, text: str, is_error: bool, time: float, times: int) -> None:
-        self._problems.add(source, text, is_error, time, times)
-        self._show_count()
-
-    def _end(self, source: str, text: str) -> None:
-        self._problems.end(source, text)
+        sources.reported.connect(self._report)
         self._show_count()
 
     def _report(self, group: str, problems: List[Problem]) -> None:
@@ -68,11 +58,6 @@ class ProblemBadge(QToolButton):
         self._problems.report(group, problems)
         if self._problems.latest_first != before:
             self._show_count()
-
-    def forget_events(self) -> None:
-        """Forgets what was reported once: the world was loaded anew."""
-        self._problems.forget_events()
-        self._show_count()
 
     def clear(self) -> None:
         """Forgets all problems."""
@@ -134,9 +119,7 @@ class ProblemList(QDialog):
         layout.addWidget(self._tree)
         layout.addWidget(self._text)
         layout.addWidget(buttons)
-        width, height = 760, 320
-        screen = first_size(QApplication.primaryScreen().availableSize())
-        self.resize(min(width, screen.width()), min(height, screen.height()))
+        self.resize(on_screen(760, 320))
 
     def show_problems(self, problems: List[Problem]) -> None:
         """Fills the list; the latest is selected."""

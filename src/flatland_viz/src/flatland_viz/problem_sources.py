@@ -13,7 +13,6 @@ from python_qt_binding.QtCore import QObject, QTimer, Signal
 from rosgraph_msgs.msg import Log
 from tf2_msgs.msg import TFMessage
 
-from flatland_viz.drive_robots import robots_of
 from flatland_viz.model_list import Model
 from flatland_viz.own_errors import OwnErrors
 from flatland_viz.problems import Problem, frames_published_twice, shared_commands
@@ -32,17 +31,13 @@ _FETCH_PERIOD = 500  # ms of real time
 _FRAMES_PERIOD = 5.0  # s of real time
 _SAMPLE_TIME = 1.0  # s of real time: slow publishers of transforms send some 10 a second
 _TRANSFORMS = ("/tf", "/tf_static")
-_TRANSFORM_SOURCE = "transforms"
+_TRANSFORM_SOURCE, _OWN_SOURCE = "transforms", "window"
 
 
 class ProblemSources(QObject):
-    """Reports problems by signals, from `start` until `close`."""
+    """Reports problems by a signal, from `start` until `close`."""
 
-    logged = Signal(str, str, bool, float, int)
-    """An event: source, text, whether it is an error, its simulated time [s], and how often."""
-    ended = Signal(str, str)
-    """Events with this source and text come no more."""
-    lasts = Signal(str, object)
+    reported = Signal(str, object)
     """The problems of a group, as `Problems.report` takes them."""
 
     def __init__(self) -> None:
@@ -51,6 +46,7 @@ class ProblemSources(QObject):
         self._closed = threading.Event()
         self._groups: Dict[str, str] = {}  # of diagnostics, by their nodes
         self._errors = OwnErrors()
+        self._own: Dict[str, Problem] = {}  # by their texts, the latest last
         self._warnings = TransformWarnings()
         self._timer = QTimer(self)
         self._timer.timeout.connect(self._report_errors)
@@ -72,9 +68,20 @@ class ProblemSources(QObject):
         """Ends the thread. No signal is emitted after this; rospy unsubscribes as it shuts down."""
         self._closed.set()
 
+    def forget(self) -> None:
+        """Forgets the window's errors and the warnings of transforms: the world was loaded anew."""
+        self._own.clear()
+        self._warnings = TransformWarnings()
+        self._emit(self.reported, _OWN_SOURCE, [])
+        self._report_warnings()
+
     def _report_errors(self) -> None:
+        name, now = rospy.get_name(), rospy.get_time()
         for text, times in self._errors.take():
-            self._emit(self.logged, rospy.get_name(), text, True, rospy.get_time(), times)
+            before = self._own.pop(text, None)
+            times += before.times if before is not None else 0
+            self._own[text] = Problem(name, text, True, times, now)
+            self._emit(self.reported, _OWN_SOURCE, list(self._own.values()))
 
     def _on_log(self, message: RecentLog) -> None:
         problems = [
@@ -84,17 +91,18 @@ class ProblemSources(QObject):
             for entry in message.entries
             if not any(text in entry.msg for text in _LEFT_OUT)
         ]
-        self._emit(self.lasts, "log", problems)
+        self._emit(self.reported, "log", problems)
 
     def check_models(self, models: Dict[str, Model]) -> None:
         """Reports robots that share a topic of commands."""
-        robots = robots_of(models.values())
-        self._last("models", shared_commands(robots))
+        self._last("models", shared_commands(models.values()))
 
     def _last(self, source: str, warnings: Iterable[str]) -> None:
         """Reports all warnings that a source has now."""
         now = rospy.get_time()
-        self._emit(self.lasts, source, [Problem(source, text, False, 1, now) for text in warnings])
+        self._emit(
+            self.reported, source, [Problem(source, text, False, 1, now) for text in warnings]
+        )
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         """Each message has all states of its node. Their names begin with the node's."""
@@ -106,15 +114,15 @@ class ProblemSources(QObject):
         ]
         node = message._connection_header["callerid"]
         self._groups[node] = f"/diagnostics of {node}"
-        self._emit(self.lasts, self._groups[node], problems)
+        self._emit(self.reported, self._groups[node], problems)
 
     def _report_warnings(self) -> None:
         """Fetches the warnings of transforms: their threads must not wait for Python."""
-        due, ended = self._warnings.update(take_warnings(), time.monotonic())
-        for text, times in due.items():
-            self._emit(self.logged, _TRANSFORM_SOURCE, text, False, rospy.get_time(), times)
-        for text in ended:
-            self._emit(self.ended, _TRANSFORM_SOURCE, text)
+        counts, now = self._warnings.update(take_warnings(), time.monotonic()), rospy.get_time()
+        problems = [
+            Problem(_TRANSFORM_SOURCE, text, False, times, now) for text, times in counts.items()
+        ]
+        self._emit(self.reported, "warnings of transforms", problems)
 
     def _end_diagnostics(self, nodes: Set[str]) -> None:
         """Ends the states of nodes that have ended.
@@ -123,7 +131,7 @@ class ProblemSources(QObject):
             nodes: those that publish diagnostics now.
         """
         for node in self._groups.keys() - nodes:
-            self._emit(self.lasts, self._groups.pop(node), [])
+            self._emit(self.reported, self._groups.pop(node), [])
 
     def _watch_frames(self) -> None:
         """Asks the master periodically for nodes; samples transforms if several publish some."""

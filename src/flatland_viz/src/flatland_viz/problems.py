@@ -2,7 +2,7 @@
 
 from typing import Dict, Iterable, List, NamedTuple, Sequence, Set, Tuple
 
-from flatland_viz.drive_robots import Robot
+from flatland_viz.model_list import Model
 
 
 class Problem(NamedTuple):
@@ -22,21 +22,15 @@ Key = Tuple[str, str]  # source and text
 
 
 class Problems:
-    """Collects events, which are counted, and lasting problems, which go when their group says so.
+    """Collects the problems of groups.
 
-    Clearing removes lasting ones, too; one is shown again when it has ended and begun again, or
-    when it was reported more often.
+    Clearing removes all; one is shown again when it has ended and begun again, or when it was
+    reported more often.
     """
 
     def __init__(self) -> None:
         self._problems: Dict[Key, Problem] = {}  # the latest last
-        self._lasting: Dict[str, Dict[Key, Problem]] = {}  # by the group that reports them
-
-    def add(self, source: str, text: str, is_error: bool, time: float, times: int = 1) -> None:
-        """Counts an event, or so many."""
-        before = self._problems.pop((source, text), None)
-        times += before.times if before else 0
-        self._problems[source, text] = Problem(source, text, is_error, times, time)
+        self._reported: Dict[str, Dict[Key, Problem]] = {}  # by group
 
     def report(self, group: str, problems: Iterable[Problem]) -> None:
         """Reports all problems of a group that there are now, the latest last.
@@ -46,24 +40,14 @@ class Problems:
             problems: the group's problems.
         """
         present = {(problem.source, problem.text): problem for problem in problems}
-        former = self._lasting.get(group, {})
+        former = self._reported.get(group, {})
         for key in former.keys() - present.keys():
             self._problems.pop(key, None)
         for key, problem in present.items():
             if key not in former or problem.times != former[key].times:
                 self._problems.pop(key, None)
                 self._problems[key] = problem
-        self._lasting[group] = present
-
-    def end(self, source: str, text: str) -> None:
-        """Removes an event."""
-        self._problems.pop((source, text), None)
-
-    def forget_events(self) -> None:
-        """Removes all events, since their causes are gone."""
-        lasting = {key for group in self._lasting.values() for key in group}
-        for key in self._problems.keys() - lasting:
-            del self._problems[key]
+        self._reported[group] = present
 
     def clear(self) -> None:
         """Removes all problems."""
@@ -87,16 +71,16 @@ def summary(text: str) -> str:
     return f"{lines[0]}: {lines[-1]}" if has_traceback else " ".join(lines)
 
 
-def shared_commands(robots: Iterable[Robot]) -> List[str]:
+def shared_commands(models: Iterable[Model]) -> List[str]:
     """Warnings about robots that share a topic of commands."""
     names: Dict[str, List[str]] = {}
-    for robot in robots:
-        names.setdefault(robot.topic, []).append(robot.name)
+    for model in models:
+        names.setdefault(model.command_topic, []).append(model.name)
     return [
         f"{listed(sharing)} subscribe to {topic}: one command drives them all; "
         "give each a namespace"
         for topic, sharing in names.items()
-        if len(sharing) > 1
+        if topic and len(sharing) > 1
     ]
 
 

@@ -62,9 +62,8 @@ def status(simulation: Optional[Simulation], silence: float) -> Status:
 def speed(simulation: Simulation) -> str:
     """The measured rate, and the requested one if the former is slower by more than a tenth."""
     factor, rate = simulation.real_time_factor, simulation.rate
-    reached = f"{factor:.2f} x real time"
     lags = math.isfinite(rate) and factor < 0.9 * rate
-    return f"{reached} (asked: {rate:g} x)" if lags else reached
+    return f"{factor:.2f} of {rate:g} x" if lags else f"{factor:.2f} x"
 
 
 def has_restarted(before: Optional[Simulation], silence: float, now: Simulation) -> bool:

@@ -7,7 +7,7 @@ from python_qt_binding.QtCore import QEvent, QSize, Qt, QTimer, Signal
 from python_qt_binding.QtGui import QPalette
 from python_qt_binding.QtWidgets import QLabel, QProgressBar, QStatusBar, QToolButton
 
-from flatland_viz.labels import RichElidedLabel
+from flatland_viz.labels import ElidedLabel
 from flatland_viz.status import Status
 
 _RUNNING = {"light": "color: #1a7f37", "dark": "color: #57c878"}
@@ -19,6 +19,11 @@ _STYLE = {
 _FOLLOWED = (
     "QToolButton { background: #009e73; color: white; border: 0; border-radius: 3px; "
     "padding: 1px 8px }"
+)
+_PLACED = (
+    "<p>Nothing publishes a transform from map to {frames}. This window draws the robots at their "
+    "true poses; other nodes do not know where they are. Start a localiser, or the server with "
+    "map_to_odom:=true.</p>"
 )
 _MESSAGE_TIME = 10_000  # ms
 _LEAST_HINT = 60  # pixels
@@ -47,42 +52,6 @@ class _Field(QLabel):
         return super().sizeHint().expandedTo(QSize(self._width, 0))
 
 
-class _SpeedField(_Field):
-    """A field for a speed that drops words where there is no room for them."""
-
-    def __init__(self, width: int) -> None:
-        super().__init__(width)
-        self._full = ""
-
-    def show_speed(self, text: str) -> None:
-        if text != self._full:
-            self._full = text
-            self._choose()
-            self.updateGeometry()
-
-    def sizeHint(self) -> QSize:  # noqa: N802
-        """The size with all words."""
-        return super().sizeHint().expandedTo(QSize(self._width_of(self._full), 0))
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802
-        """The size with the number alone."""
-        return QSize(self._width_of("1000.00 x"), 0)
-
-    def resizeEvent(self, event: QEvent) -> None:  # noqa: N802
-        """Shows the words that fit."""
-        super().resizeEvent(event)
-        self._choose()
-
-    def _width_of(self, text: str) -> int:
-        return int(self.fontMetrics().horizontalAdvance(text)) + _SPACE
-
-    def _choose(self) -> None:
-        """Drops the requested rate if there is no room, and then the unit."""
-        texts = [self._full, *(self._full.partition(end)[0] for end in (" (", " real"))]
-        fitting = [text for text in texts if self._width_of(text) <= self.width()]
-        self.setText(fitting[0] if fitting else texts[-1])
-
-
 class StatusLine(QStatusBar):
     """Hints at the left; at the right simulated time, speed and state."""
 
@@ -90,13 +59,13 @@ class StatusLine(QStatusBar):
     """A click on the speed."""
     following_ended = Signal()
     """A click on the model that the view follows."""
-    pause_asked = Signal(bool)
-    """A click on the state: True to pause, False to resume."""
+    pause_asked = Signal()
+    """A click on the state, to pause or to resume."""
 
     def __init__(self) -> None:
         super().__init__()
         self.setObjectName("status")
-        self._hint = RichElidedLabel(objectName="status_hint")
+        self._hint = ElidedLabel(Qt.ElideRight, objectName="status_hint")
         self._hint.setMinimumWidth(_LEAST_HINT)
         self.addWidget(self._hint, 1)
         self._progress = QProgressBar(objectName="status_progress")
@@ -109,22 +78,24 @@ class StatusLine(QStatusBar):
         self._followed.clicked.connect(self.following_ended)
         self._followed.hide()
         self.addPermanentWidget(self._followed)
+        self._placed = QLabel("No map \u2192 odom", objectName="status_placed")
+        self._placed.hide()
+        self.insertPermanentWidget(1, self._placed)  # beside the hint: it comes and goes
         self._expiry = QTimer(self, singleShot=True, interval=_MESSAGE_TIME)
-        self._expiry.timeout.connect(lambda: self._hint.show_rich(""))
+        self._expiry.timeout.connect(lambda: self._hint.show_line(""))
         self._time = self._field("status_time", "simulated time", "100000.000 s")
         self._speed = self._field(
-            "status_speed", "simulated per real time", "1.00 x real time", _SpeedField
+            "status_speed", "simulated per real time; click to change it", "10.00 of 10 x"
         )
         self._state = self._field("status_state", "the simulation", "waiting for the server")
         self._state.setAlignment(Qt.AlignCenter)
         self._speed.setCursor(Qt.PointingHandCursor)
-        self._speed.setToolTip("simulated per real time; click to change it")
         self._speed.clicked.connect(self.rate_asked)
         self._state.clicked.connect(self._ask_for_pause)
 
-    def _field(self, name: str, meaning: str, widest: str, kind: Any = _Field) -> Any:
+    def _field(self, name: str, meaning: str, widest: str) -> _Field:
         """A label with a width that does not depend on its text, where there is room for it."""
-        field = kind(self.fontMetrics().horizontalAdvance(widest) + _SPACE)
+        field = _Field(self.fontMetrics().horizontalAdvance(widest) + _SPACE)
         field.setObjectName(name)
         field.setToolTip(meaning)
         field.setAlignment(Qt.AlignRight | Qt.AlignVCenter)
@@ -134,7 +105,7 @@ class StatusLine(QStatusBar):
     def show_status(self, status: Status) -> None:
         """Shows the state of the simulation."""
         self._time.setText(status.time)
-        self._speed.show_speed(status.speed)
+        self._speed.setText(status.speed)
         if status.state != self._state.text():
             self._state.setText(status.state)
             self._show_state()
@@ -148,7 +119,7 @@ class StatusLine(QStatusBar):
 
     def _ask_for_pause(self) -> None:
         if self._state.text() in ("running", "paused"):
-            self.pause_asked.emit(self._state.text() == "running")
+            self.pause_asked.emit()
 
     def changeEvent(self, event: QEvent) -> None:  # noqa: N802
         """Shows the state in a colour for the other look of the window."""
@@ -167,6 +138,11 @@ class StatusLine(QStatusBar):
         self._followed.setText(f"follows {name} \u2715")
         self._followed.setVisible(bool(name))
 
+    def show_placed(self, frames: str) -> None:
+        """Shows that robots are placed by their true poses; not if there are no such frames."""
+        self._placed.setVisible(bool(frames))
+        self._placed.setToolTip(_PLACED.format(frames=frames))
+
     def show_progress(self, what: str, percent: int) -> None:
         """Shows the progress of loading or drawing, until it is complete."""
         self._progress.setFormat(f"{what} %p %")
@@ -176,9 +152,9 @@ class StatusLine(QStatusBar):
     def show_hint(self, hint: str) -> None:
         """Shows a hint until the next one; rviz's tools write it in rich text."""
         self._expiry.stop()
-        self._hint.show_rich(" ".join(hint.split()))
+        self._hint.show_line(" ".join(hint.split()))
 
     def show_message(self, message: str) -> None:
         """Shows a message for some seconds."""
-        self._hint.show_rich(escape(message))
+        self._hint.show_line(escape(message))
         self._expiry.start()

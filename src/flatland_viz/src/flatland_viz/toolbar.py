@@ -1,17 +1,16 @@
 """rviz's toolbar in the window: tooltips with keys, buttons of our own, most used first."""
 
 from pathlib import Path
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List
 
 import rospkg
-from python_qt_binding.QtCore import QEvent, QObject, Qt
+from python_qt_binding.QtCore import Qt
 from python_qt_binding.QtGui import QIcon
 from python_qt_binding.QtWidgets import QAction, QToolBar
 
 _SPACE = " "
 _PAUSE = "flatland_viz/PauseSim"
-_LEAST_USED = ("flatland_viz/ChangeRate", "flatland_viz/Measure")
-"""Tools at the end of the toolbar: where there is no room, they go behind its ">>"."""
+_LEAST_USED = "flatland_viz/Measure"
 
 
 def key_of(tool: Any) -> str:
@@ -28,11 +27,11 @@ def icon(name: str) -> QIcon:
     return QIcon(str(folder / f"{name}.svg"))
 
 
-class Toolbar(QObject):
-    """Orders the toolbar, and shows icons alone where there is no room for their names.
+class Toolbar:
+    """Orders the toolbar; where there is no room, its last buttons go behind its ">>".
 
     First come the tools for the view and its models, with those that rviz adds later; then Pause,
-    with our own buttons; and at last the least used ones.
+    with our own buttons; and at last the least used one.
 
     Args:
         bar: rviz's toolbar.
@@ -40,12 +39,14 @@ class Toolbar(QObject):
     """
 
     def __init__(self, bar: QToolBar, tools: List[Any]) -> None:
-        super().__init__(bar)
         self._bar = bar
-        self._is_fitting = False
-        self._full_width = 0
-        self._order(self.describe(tools))
-        bar.installEventFilter(self)
+        bar.setToolButtonStyle(Qt.ToolButtonTextBesideIcon)
+        buttons = self.describe(tools)
+        # rviz adds tools before a hidden action of its own, which stays in front of these buttons.
+        bar.addSeparator()
+        self._move_to_end(buttons[_PAUSE])
+        self._least_used = bar.addSeparator()
+        self._move_to_end(buttons[_LEAST_USED])
 
     def describe(self, tools: List[Any]) -> Dict[str, QAction]:
         """Sets the tooltips of tools' buttons; returns the buttons, by the tools' classes."""
@@ -57,21 +58,9 @@ class Toolbar(QObject):
                     buttons[tool.getClassId()] = action
         return buttons
 
-    def _order(self, buttons: Dict[str, QAction]) -> None:
-        """Moves the buttons; `buttons` are those of tools, by their classes."""
-        bar = self._bar
-        # rviz adds tools before a hidden action of its own, which stays in front of these buttons.
-        bar.addSeparator()
-        self._pause = buttons.get(_PAUSE)
-        self._move_to_end(self._pause)
-        self._least_used = bar.addSeparator()
-        for kind in _LEAST_USED:
-            self._move_to_end(buttons.get(kind))
-
-    def _move_to_end(self, action: Optional[QAction]) -> None:
-        if action is not None:
-            self._bar.removeAction(action)
-            self._bar.addAction(action)
+    def _move_to_end(self, action: QAction) -> None:
+        self._bar.removeAction(action)
+        self._bar.addAction(action)
 
     @staticmethod
     def _describe(action: QAction, tool: Any) -> None:
@@ -92,36 +81,3 @@ class Toolbar(QObject):
         action.setIconText(text)
         action.setIconVisibleInMenu(False)
         self._bar.insertAction(self._least_used, action)
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
-        """Fits the toolbar to its width, and to names that have changed."""
-        if event.type() in (QEvent.ActionAdded, QEvent.ActionRemoved):
-            self._bar.setToolButtonStyle(Qt.ToolButtonTextBesideIcon)  # its width is measured again
-        if event.type() in (QEvent.Resize, QEvent.LayoutRequest) and not self._is_fitting:
-            self._is_fitting = True
-            self._fit()
-            self._is_fitting = False
-        return False
-
-    def _fit(self) -> None:
-        self._keep_width()
-        if self._bar.toolButtonStyle() != Qt.ToolButtonIconOnly:
-            self._full_width = self._bar.layout().sizeHint().width()
-        is_narrow = self._bar.width() < self._full_width
-        style = Qt.ToolButtonIconOnly if is_narrow else Qt.ToolButtonTextBesideIcon
-        if style != self._bar.toolButtonStyle():
-            self._bar.setToolButtonStyle(style)
-            self._keep_width()
-
-    def _keep_width(self) -> None:
-        """Gives Pause the width of Resume, so that the other buttons stay where they are."""
-        button = self._bar.widgetForAction(self._pause) if self._pause else None
-        if button is None:
-            return
-        widths = [
-            button.fontMetrics().size(Qt.TextShowMnemonic, text).width()
-            for text in ("Resume", button.text())
-        ]
-        wider = widths[0] - widths[1]
-        has_text = self._bar.toolButtonStyle() == Qt.ToolButtonTextBesideIcon
-        button.setMinimumWidth(button.sizeHint().width() + max(0, wider) if has_text else 0)

@@ -18,6 +18,7 @@ import rospkg
 import rospy
 import yaml
 
+from flatland_viz.native import library
 from flatland_viz.x_display import choose_x
 
 _WAKE_PERIOD = 50  # ms
@@ -45,10 +46,8 @@ def main() -> int:
 def _start_rviz_node() -> None:
     """Starts rviz's ROS node with the remappings of this one; rviz itself uses none."""
     remappings = [each.encode() for each in sys.argv if ":=" in each and not each.startswith("_")]
-    with suppress(OSError):  # a broken installation, which is logged when the window opens
-        library = ctypes.CDLL("libflatland_viz_tools.so")
-        values = (ctypes.c_char_p * len(remappings))(*remappings)
-        library.flatland_viz_start_roscpp(len(remappings), values)
+    values = (ctypes.c_char_p * len(remappings))(*remappings)
+    library().flatland_viz_start_roscpp(len(remappings), values)
 
 
 def _is_second() -> bool:
@@ -72,6 +71,7 @@ def _show_window(ends_server: bool) -> int:
     from flatland_viz.problem_sources import ProblemSources
     from flatland_viz.scene import Scene
     from flatland_viz.server import Server
+    from flatland_viz.services import Services
     from flatland_viz.settings import DARK, Settings
     from flatland_viz.theme import Theme
     from flatland_viz.toolbar import icon
@@ -92,16 +92,16 @@ def _show_window(ends_server: bool) -> int:
 
     problems = ProblemSources()
     problems.start()  # before rviz, which warns about transforms
-    server = Server()
+    server, services = Server(), Services()
     server.models_changed.connect(problems.check_models)
     _start_rviz_node()
     scene = Scene(_base_config(), _frame_rate())
-    window = Window(server, scene, problems, theme)
+    window = Window(server, services, scene, problems, theme)
     server.start()
     # Opened by a launch file, it waits for the world, since a refused world ends the launch, and
     # so that it opens with a whole picture. A world may have no walls or no models.
     if ends_server:
-        scene.whole.connect(lambda: _show(window))
+        scene.framing.whole.connect(lambda: _show(window))
         server.runs.connect(lambda: QTimer.singleShot(_PICTURE_WAIT, lambda: _show(window)))
         QTimer.singleShot(_LONGEST_WAIT, lambda: _show(window))
     else:
@@ -121,6 +121,7 @@ def _show_window(ends_server: bool) -> int:
     window.hide()  # at once; ROS takes half a second to shut down
     problems.close()
     server.close()
+    services.close()
     ends_launch = ends_server and window.is_closed
     shut_down([partial(end_launch, server.shut_down)] if ends_launch else [])
     leave()

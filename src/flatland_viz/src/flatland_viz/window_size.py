@@ -1,16 +1,16 @@
-"""The size of the window when it opens for the first time."""
+"""The size of windows that fit on the screen."""
 
 from python_qt_binding.QtCore import QSize
+from python_qt_binding.QtWidgets import QApplication
 
-_WANTED = QSize(1280, 800)
 _FRAME = QSize(16, 48)
 """Of a window manager: its borders and title bar, unknown before the window is shown."""
 
 
-def first_size(available: QSize) -> QSize:
-    """The size of the window, without its frame.
+def on_screen(width: int, height: int) -> QSize:
+    """This size, or less if the screen without panels is smaller; without a window's frame.
 
-    Args:
-        available: the screen without panels, in device-independent pixels.
+    In device-independent pixels.
     """
-    return _WANTED.boundedTo(available - _FRAME)
+    available = QApplication.primaryScreen().availableSize()
+    return QSize(width, height).boundedTo(available - _FRAME)

@@ -1,7 +1,7 @@
 #include "ground_truth_frames.hpp"
 
+#include <geometry_msgs/TransformStamped.h>
 #include <ros/node_handle.h>
-#include <ros/this_node.h>
 #include <tf2/exceptions.h>
 #include <tf2_ros/buffer.h>
 
@@ -51,31 +51,24 @@ geometry_msgs::Pose2D Flat(const geometry_msgs::Transform& transform) {
 GroundTruthFrames::GroundTruthFrames(std::shared_ptr<tf2_ros::Buffer> buffer,
                                      const WorldModels& models, ros::NodeHandle& node)
     : buffer_(std::move(buffer)), models_(models) {
-  tf_ = node.subscribe("/tf", 1000, &GroundTruthFrames::NoteTransforms, this);
-  static_tf_ = node.subscribe("/tf_static", 1000, &GroundTruthFrames::NoteStaticTransforms, this);
-}
-
-void GroundTruthFrames::NoteTransforms(const ros::MessageEvent<tf2_msgs::TFMessage const>& event) {
-  if (event.getPublisherName() == ros::this_node::getName()) return;
-  for (const auto& transform : event.getConstMessage()->transforms) {
-    const std::string& frame = transform.child_frame_id;
-    of_others_.insert(!frame.empty() && frame[0] == '/' ? frame.substr(1) : frame);
-  }
-}
-
-void GroundTruthFrames::NoteStaticTransforms(
-    const ros::MessageEvent<tf2_msgs::TFMessage const>& event) {
-  NoteTransforms(event);
-  for (const auto& transform : event.getConstMessage()->transforms) {
-    static_of_others_.insert(transform.child_frame_id);
-  }
+  const auto note = [&node](const std::string& topic, std::set<std::string>& frames) {
+    return node.subscribe<tf2_msgs::TFMessage>(
+        topic, 1000, [&frames](const tf2_msgs::TFMessage::ConstPtr& message) {
+          for (const auto& transform : message->transforms) {
+            const std::string& frame = transform.child_frame_id;
+            frames.insert(!frame.empty() && frame[0] == '/' ? frame.substr(1) : frame);
+          }
+        });
+  };
+  tf_ = note("/tf", published_);
+  static_tf_ = note("/tf_static", static_published_);
 }
 
 void GroundTruthFrames::Clear() {
   motions_.clear();
   latest_ = ros::Time();
   placed_at_.clear();
-  of_others_ = static_of_others_;  // a static transform comes only once
+  published_.clear();  // static transforms stay: each comes only once
 }
 
 void GroundTruthFrames::Add(const flatland_msgs::ModelStates& states) {
@@ -97,7 +90,8 @@ std::optional<std::string> GroundTruthFrames::FindRoot(const std::string& frame)
   for (int depth = 0; depth < kMaxDepth; ++depth) {
     std::string parent;
     if (root == WorldPlane::kFrame) return std::nullopt;
-    const bool is_ours = roots_.count(root) > 0 && of_others_.count(root) == 0;
+    const bool is_ours =
+        roots_.count(root) > 0 && !published_.count(root) && !static_published_.count(root);
     if (is_ours || !buffer_->_getParent(root, ros::Time(), parent)) return root;
     root = parent;
   }
@@ -135,10 +129,6 @@ void GroundTruthFrames::Update() {
     }
   }
   roots_ = std::move(roots);
-  if (!outgoing_.transforms.empty()) {
-    publisher_.publish(outgoing_);
-    outgoing_.transforms.clear();
-  }
 }
 
 void GroundTruthFrames::Place(const std::string& root, const std::string& model, std::size_t body,
@@ -167,12 +157,7 @@ void GroundTruthFrames::Place(const std::string& root, const std::string& model,
   transform.transform.translation.y = pose.y;
   transform.transform.rotation.z = std::sin(pose.theta / 2);
   transform.transform.rotation.w = std::cos(pose.theta / 2);
-  if (is_published) {
-    if (!publisher_) publisher_ = ros::NodeHandle().advertise<tf2_msgs::TFMessage>("/tf", 100);
-    outgoing_.transforms.push_back(transform);
-  } else {
-    buffer_->setTransform(transform, "ground truth");
-  }
+  buffer_->setTransform(transform, "ground truth");
 }
 
 }  // namespace flatland_viz

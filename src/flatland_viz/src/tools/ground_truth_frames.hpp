@@ -3,8 +3,6 @@
 /// Places robots without a localiser by their ground truth.
 
 #include <flatland_msgs/ModelStates.h>
-#include <geometry_msgs/TransformStamped.h>
-#include <ros/publisher.h>
 #include <ros/subscriber.h>
 #include <tf2_msgs/TFMessage.h>
 
@@ -29,15 +27,12 @@ class WorldModels;
 ///
 /// This finds the root of the transforms of each body, such as "odom". If the root is not connected
 /// to the map, its pose in the map is computed from the body's true pose in the map, and the body's
-/// pose in the root. The transform map -> root goes to the transforms of this window alone or, if
-/// `is_published`, to /tf for all nodes. It ends as soon as another node publishes that transform.
+/// pose in the root. The transform map -> root goes to the transforms of this window alone. It ends
+/// as soon as a node publishes that transform.
 class GroundTruthFrames {
  public:
   GroundTruthFrames(std::shared_ptr<tf2_ros::Buffer> buffer, const WorldModels& models,
                     ros::NodeHandle& node);
-
-  /// True if the transforms go to /tf.
-  bool is_published = false;
 
   void Add(const flatland_msgs::ModelStates& states);
   /// Discards all poses and transforms: simulated time has begun again.
@@ -53,8 +48,6 @@ class GroundTruthFrames {
     flatland_msgs::ModelState state;
   };
 
-  void NoteTransforms(const ros::MessageEvent<tf2_msgs::TFMessage const>& event);
-  void NoteStaticTransforms(const ros::MessageEvent<tf2_msgs::TFMessage const>& event);
   /// The root of a frame's transforms; nothing if the frame is connected to the map.
   std::optional<std::string> FindRoot(const std::string& frame) const;
   std::optional<geometry_msgs::Pose2D> TruePose(const std::string& model, std::size_t body,
@@ -65,14 +58,11 @@ class GroundTruthFrames {
   std::shared_ptr<tf2_ros::Buffer> buffer_;
   const WorldModels& models_;
   ros::Subscriber tf_, static_tf_;
-  ros::Publisher publisher_;
   std::map<std::string, std::deque<Motion>> motions_;  // by model, the oldest first
   ros::Time latest_;                                   // the last stamp of states
   std::set<std::string> roots_;
-  std::set<std::string> of_others_;             // frames to which other nodes publish transforms
-  std::set<std::string> static_of_others_;      // those among them that are published once
-  std::map<std::string, ros::Time> placed_at_;  // the last stamp of each root
-  tf2_msgs::TFMessage outgoing_;
+  std::set<std::string> published_, static_published_;  // frames to which nodes publish transforms
+  std::map<std::string, ros::Time> placed_at_;          // the last stamp of each root
 };
 
 }  // namespace flatland_viz

@@ -26,7 +26,7 @@ const QColor kLineColor(0, 114, 178), kEdgeColor(255, 255, 255, 220);
 
 }  // namespace
 
-MeasureTool::MeasureTool() { shortcut_key_ = 'n'; }
+MeasureTool::MeasureTool() { shortcut_key_ = 'm'; }
 
 MeasureTool::~MeasureTool() {
   before_render_.reset();

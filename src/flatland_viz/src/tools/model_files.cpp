@@ -10,6 +10,8 @@
 #include <QSettings>
 #include <string>
 
+#include "world_models.hpp"
+
 namespace flatland_viz {
 namespace {
 
@@ -45,13 +47,6 @@ ModelFiles::~ModelFiles() {
   if (thread_.joinable()) thread_.join();
 }
 
-void ModelFiles::Add(const flatland_msgs::ModelList& models) {
-  for (const flatland_msgs::ModelInfo& model : models.models) {
-    const QString file = QString::fromStdString(model.yaml_path);
-    if (!file.isEmpty() && !of_models_.contains(file)) of_models_ << file;
-  }
-}
-
 void ModelFiles::AddRecent(const QString& file) {
   if (QFileInfo(file).isRelative()) return;  // the server knows what it is relative to
   QSettings settings = Settings();
@@ -85,9 +80,11 @@ void ModelFiles::SetFolders(const QStringList& folders) {
 }
 
 QStringList ModelFiles::files() const {
-  QStringList files;
-  const QStringList recent = Settings().value(kRecent).toStringList();
-  for (const QString& file : recent + of_models_ + in_folders_) {
+  QStringList all = Settings().value(kRecent).toStringList(), files;
+  for (const auto& [name, model] : models_.models()) {
+    all << QString::fromStdString(model.info.yaml_path);
+  }
+  for (const QString& file : all + in_folders_) {
     if (!files.contains(file) && QFileInfo(file).isFile()) files << file;
   }
   return files;

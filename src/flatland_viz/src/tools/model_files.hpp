@@ -2,13 +2,13 @@
 
 /// The model files that can be chosen from.
 
-#include <flatland_msgs/ModelList.h>
-
 #include <QObject>
 #include <QStringList>
 #include <thread>
 
 namespace flatland_viz {
+
+class WorldModels;
 
 /// Model files on this machine: those of models in the world, beside the world's file, in the
 /// server's folders of models, and those spawned last.
@@ -16,10 +16,9 @@ class ModelFiles : public QObject {
   Q_OBJECT
 
  public:
+  explicit ModelFiles(const WorldModels& models) : models_(models) {}
   ~ModelFiles() override;
 
-  /// Adds the files of the models in the world.
-  void Add(const flatland_msgs::ModelList& models);
   /// Puts a file that was spawned in front; it is remembered, also by other windows.
   void AddRecent(const QString& file);
   /// Looks into the folders again: asks the ROS master for them on a thread, and emits Found.
@@ -33,7 +32,7 @@ class ModelFiles : public QObject {
  private:
   void SetFolders(const QStringList& folders);
 
-  QStringList of_models_;
+  const WorldModels& models_;
   QStringList in_folders_;
   std::thread thread_;
 };

@@ -31,8 +31,8 @@ ModelHandle::~ModelHandle() {
   scene_.destroySceneNode(node_);
 }
 
-double ModelHandle::Radius(const WorldModel& model, double pixels_per_metre, double pixel_ratio) {
-  return std::max(kPart * model.radius(), kMinRadius * pixel_ratio / pixels_per_metre);
+double ModelHandle::Radius(const WorldModel& model, double pixel) {
+  return std::max(kPart * model.radius(), kMinRadius * pixel);
 }
 
 void ModelHandle::Show(const WorldModel& model, const geometry_msgs::Pose2D& pose,
@@ -41,7 +41,7 @@ void ModelHandle::Show(const WorldModel& model, const geometry_msgs::Pose2D& pos
   const geometry_msgs::Pose2D middle = model.MiddleAt(pose);
   const Ogre::Vector3 at = world.PositionInScene(middle, kHeight);
   const ScreenScale scale = ScreenScale::At(at, viewport);
-  const double radius = Radius(model, scale.pixels_per_metre, pixel_ratio) * scale.pixels_per_metre;
+  const double radius = Radius(model, scale.Metres(pixel_ratio)) * scale.pixels_per_metre;
   QColor color = model.is_robot() ? model.color() : kPlain;
   color.setAlphaF(is_strong ? 0.9 : 0.5);
   if (radius != radius_ || color != color_ || is_strong != is_strong_) {

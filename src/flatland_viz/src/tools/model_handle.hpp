@@ -34,8 +34,8 @@ class ModelHandle {
             const Ogre::Viewport& viewport, double pixel_ratio, bool is_strong);
   void Hide();
 
-  /// Its radius around a model [m].
-  static double Radius(const WorldModel& model, double pixels_per_metre, double pixel_ratio);
+  /// Its radius around a model [m]. `pixel`: the size of one of Qt's pixels there [m].
+  static double Radius(const WorldModel& model, double pixel);
 
  private:
   Ogre::SceneManager& scene_;

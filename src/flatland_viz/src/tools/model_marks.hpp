@@ -21,12 +21,11 @@ class FlatShape;
 class NameLabel;
 class WorldModels;
 class WorldPlane;
-struct ScreenScale;
 struct WorldModel;
 
-/// A robot has a ring on its base and an arrow in its colour, which shows where it looks and is
-/// never smaller than can be seen, and its name beside it. Other models have their names while they
-/// are selected or under the mouse. Names that would cover others or models are left out.
+/// A robot has an arrow in its colour, which shows where it looks and is never smaller than can be
+/// seen, and its name beside it. Other models have their names while they are selected or under the
+/// mouse. Names that would cover others or models are left out.
 class ModelMarks {
  public:
   struct Options {
@@ -53,9 +52,6 @@ class ModelMarks {
                   std::vector<QRectF>& taken);
   void PlaceHeading(Mark& mark, const WorldModel& model, const WorldPlane& world,
                     const Ogre::Viewport& viewport, const Options& options);
-  /// Places the ring around an arrow of this size [pixels].
-  void PlaceRing(Mark& mark, const WorldModel& model, const WorldPlane& world,
-                 const ScreenScale& scale, double arrow, double pixel_ratio);
 
   Ogre::SceneManager& scene_;
   Ogre::SceneNode& parent_;

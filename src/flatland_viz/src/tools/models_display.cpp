@@ -7,16 +7,14 @@
 #include <rviz/frame_manager.h>
 #include <rviz/properties/bool_property.h>
 #include <rviz/properties/color_property.h>
-#include <rviz/properties/string_property.h>
 
-#include <QJsonDocument>
-#include <QJsonObject>
 #include <QRectF>
 #include <QStringList>
 
 #include "before_render.hpp"
 #include "ground_truth_frames.hpp"
 #include "model_marks.hpp"
+#include "window_property.hpp"
 #include "world_models.hpp"
 #include "world_plane.hpp"
 
@@ -32,31 +30,14 @@ ModelsDisplay::ModelsDisplay()
                                      SLOT(queueRender()))),
       headings_(new rviz::BoolProperty("Headings", true, "Where robots look.", this,
                                        SLOT(queueRender()))),
-      colors_(new rviz::StringProperty("Colors", "", "Of the robots.", this)),
-      bounds_(new rviz::StringProperty(
-          "Bounds", "",
-          "The box around all models, \"min_x min_y max_x max_y\" in metres. Empty "
-          "without models, and from a change of their list until all of their poses are known.",
-          this)),
       places_frames_(new rviz::BoolProperty(
           "Ground Truth", true,
           "While nothing publishes a transform from the map to a robot's odometry frame, place the "
           "robot's frames by its true pose.",
           this)),
-      publishes_frames_(new rviz::BoolProperty(
-          "Publish To TF", false,
-          "Publish these transforms, for all nodes, until a localiser does.", this)),
-      placed_frames_(new rviz::StringProperty("Placed Frames", "",
-                                              "The frames placed by ground truth now.", this)) {
-  placed_frames_->setReadOnly(true);
-  placed_frames_->setShouldBeSaved(false);
-  colors_->setReadOnly(true);
-  colors_->setShouldBeSaved(false);
-  colors_->setHidden(true);
-  bounds_->setReadOnly(true);
-  bounds_->setShouldBeSaved(false);
-  bounds_->setHidden(true);
-}
+      colors_(WindowProperty("Colors", this, QVariantMap())),
+      bounds_(WindowProperty("Bounds", this, QRectF())),
+      placed_frames_(WindowProperty("Placed Frames", this)) {}
 
 ModelsDisplay::~ModelsDisplay() = default;
 
@@ -72,7 +53,7 @@ void ModelsDisplay::onInitialize() {
         PlaceMarks(viewport, pixel_ratio);
       });
   connect(models_.get(), &WorldModels::Listed, this, &ModelsDisplay::ListColors);
-  connect(models_.get(), &WorldModels::Listed, this, [this] { bounds_->setString(""); });
+  connect(models_.get(), &WorldModels::Listed, this, [this] { bounds_->setValue(QRectF()); });
   ListColors();
 }
 
@@ -109,18 +90,17 @@ QColor ModelsDisplay::Background() const {
   return color ? color->getColor() : Qt::white;
 }
 
-/// Tells the window the colours of the robots, as JSON: {"name": "#rrggbb"}.
 void ModelsDisplay::ListColors() {
-  QJsonObject colors;
+  QVariantMap colors;
   for (const auto& [name, model] : models_->models()) {
     if (model.is_robot()) colors[QString::fromStdString(name)] = model.color().name();
   }
-  colors_->setString(QJsonDocument(colors).toJson(QJsonDocument::Compact));
+  colors_->setValue(colors);
 }
 
 void ModelsDisplay::FollowBounds() {
   const ros::WallTime now = ros::WallTime::now();
-  const bool is_due = bounds_->getStdString().empty() || now - bounds_at_ >= kBoundsPeriod;
+  const bool is_due = bounds_->getValue().toRectF().isNull() || now - bounds_at_ >= kBoundsPeriod;
   if (!is_due || models_->revision() == bounds_revision_) return;
   bounds_at_ = now;
   bounds_revision_ = models_->revision();
@@ -131,22 +111,16 @@ void ModelsDisplay::FollowBounds() {
     const QPointF middle = model.middle_in_world();
     bounds |= QRectF(middle.x() - radius, middle.y() - radius, 2 * radius, 2 * radius);
   }
-  if (bounds.isNull()) return;
-  bounds_->setString(QString("%1 %2 %3 %4")
-                         .arg(bounds.left())
-                         .arg(bounds.top())
-                         .arg(bounds.right())
-                         .arg(bounds.bottom()));
+  bounds_->setValue(bounds);
 }
 
 void ModelsDisplay::PlaceFrames() {
   QStringList placed;
   if (places_frames_->getBool()) {
-    frames_->is_published = publishes_frames_->getBool();
     frames_->Update();
     for (const std::string& root : frames_->roots()) placed << QString::fromStdString(root);
   }
-  placed_frames_->setString(placed.join(", "));
+  placed_frames_->setValue(placed.join(", "));
 }
 
 }  // namespace flatland_viz

@@ -14,7 +14,7 @@ class Viewport;
 
 namespace rviz {
 class BoolProperty;
-class StringProperty;
+class Property;
 }  // namespace rviz
 
 namespace flatland_viz {
@@ -50,12 +50,11 @@ class ModelsDisplay : public rviz::Display {
 
   rviz::BoolProperty* labels_;
   rviz::BoolProperty* headings_;
-  rviz::StringProperty* colors_;
-  rviz::StringProperty* bounds_;
-
   rviz::BoolProperty* places_frames_;
-  rviz::BoolProperty* publishes_frames_;
-  rviz::StringProperty* placed_frames_;
+  rviz::Property* colors_;         // of the robots, "#rrggbb" by name
+  rviz::Property* bounds_;         // around all models [m]; null while some are not placed
+  rviz::Property* placed_frames_;  // by ground truth, with commas between them
+
   std::shared_ptr<WorldModels> models_;
   std::unique_ptr<GroundTruthFrames> frames_;
   std::unique_ptr<ModelMarks> marks_;

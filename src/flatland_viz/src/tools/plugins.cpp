@@ -2,7 +2,6 @@
 
 #include <pluginlib/class_list_macros.hpp>
 
-#include "change_rate_tool.hpp"
 #include "interact_tool.hpp"
 #include "map_view.hpp"
 #include "measure_tool.hpp"
@@ -10,7 +9,6 @@
 #include "pause_sim_tool.hpp"
 #include "spawn_model_tool.hpp"
 
-PLUGINLIB_EXPORT_CLASS(flatland_viz::ChangeRateTool, rviz::Tool)
 PLUGINLIB_EXPORT_CLASS(flatland_viz::InteractTool, rviz::Tool)
 PLUGINLIB_EXPORT_CLASS(flatland_viz::MapView, rviz::ViewController)
 PLUGINLIB_EXPORT_CLASS(flatland_viz::MeasureTool, rviz::Tool)

@@ -1,6 +1,5 @@
 #include "spawn_dialog.hpp"
 
-#include <QCheckBox>
 #include <QDialogButtonBox>
 #include <QDir>
 #include <QFileDialog>
@@ -11,35 +10,37 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QListWidget>
+#include <QPlainTextEdit>
 #include <QPushButton>
-#include <QSpinBox>
+#include <QRegularExpression>
 #include <QVBoxLayout>
-#include <limits>
 
-#include "dialog_message.hpp"
-#include "model_files.hpp"
+#include "world_models.hpp"
 
 namespace flatland_viz {
 namespace {
 
 constexpr int kFileRole = Qt::UserRole;
 constexpr QSize kIcon(48, 48), kCell(124, 78);  // pixels
+constexpr int kMessageLines = 4;
+
+/// The name of a file without its folder and endings: "box" for "/models/box.model.yaml".
+QString NameFromFile(const QString& file) {
+  return QFileInfo(file).fileName().remove(QRegularExpression("(\\.model)?\\.ya?ml$"));
+}
 
 }  // namespace
 
-SpawnDialog::SpawnDialog(QWidget* parent, const ModelChoice& choice, ModelFiles& files)
+SpawnDialog::SpawnDialog(QWidget* parent, const WorldModels& models)
     : QDialog(parent),
-      has_own_name_(!choice.own_name.isEmpty()),
-      has_own_namespace_(!choice.own_ns.isEmpty()),
-      files_(files),
+      models_(models),
+      files_(models),
       search_(new QLineEdit),
       list_(new QListWidget),
-      name_(new QLineEdit(choice.own_name)),
-      namespace_(new QLineEdit(choice.own_ns)),
-      is_numbered_(new QCheckBox("Append a n&umber:")),
-      number_(new QSpinBox),
+      name_(new QLineEdit),
+      namespace_(new QLineEdit),
       inputs_(new QWidget),
-      message_(new DialogMessage),
+      message_(new QPlainTextEdit),
       buttons_(new QDialogButtonBox(QDialogButtonBox::Ok | QDialogButtonBox::Cancel)) {
   setObjectName("spawn_model_dialog");
   setWindowTitle("Spawn Model");
@@ -56,9 +57,11 @@ SpawnDialog::SpawnDialog(QWidget* parent, const ModelChoice& choice, ModelFiles&
   name_->setObjectName("name");
   namespace_->setObjectName("namespace");
   namespace_->setPlaceholderText("none");
-  is_numbered_->setChecked(choice.is_numbered);
-  number_->setMaximum(std::numeric_limits<int>::max());
-  number_->setValue(choice.number);
+  message_->setObjectName("message");
+  message_->setReadOnly(true);  // its text can be copied
+  message_->setFocusPolicy(Qt::ClickFocus);
+  message_->setMaximumHeight(kMessageLines * fontMetrics().lineSpacing());
+  message_->hide();
 
   auto* form = new QFormLayout(inputs_);
   form->setContentsMargins(0, 0, 0, 0);
@@ -67,25 +70,19 @@ SpawnDialog::SpawnDialog(QWidget* parent, const ModelChoice& choice, ModelFiles&
   form->addRow(search_label, MakeSearchRow());
   form->addRow(list_);
   form->addRow("&Name:", name_);
-  form->addRow("", MakeNumberRow());
   form->addRow("Name&space:", namespace_);
   auto* layout = new QVBoxLayout(this);
   layout->addWidget(inputs_);
   layout->addWidget(message_);
   layout->addWidget(buttons_);
 
-  ShowFiles();
-  for (int row = 0; row < list_->count(); ++row) {
-    if (list_->item(row)->data(kFileRole).toString() == choice.file) list_->setCurrentRow(row);
-  }
-  Suggest();
+  files_.Look();
   connect(&files_, &ModelFiles::Found, this, &SpawnDialog::ShowFiles);
   connect(&pictures_, &ModelPictures::Drawn, this, &SpawnDialog::SetPicture);
   connect(search_, &QLineEdit::textChanged, this, &SpawnDialog::Filter);
   connect(list_, &QListWidget::currentItemChanged, this, &SpawnDialog::Suggest);
   connect(list_, &QListWidget::itemClicked, this, &SpawnDialog::accept);
-  connect(is_numbered_, &QCheckBox::toggled, this, &SpawnDialog::Suggest);
-  connect(number_, QOverload<int>::of(&QSpinBox::valueChanged), this, &SpawnDialog::Suggest);
+  connect(&models_, &WorldModels::Listed, this, &SpawnDialog::ShowFiles);
   connect(name_, &QLineEdit::textEdited, this, [this](const QString& name) {
     has_own_name_ = !name.isEmpty();
     Suggest();
@@ -134,7 +131,8 @@ bool SpawnDialog::eventFilter(QObject* watched, QEvent* event) {
 }
 
 void SpawnDialog::ShowFiles() {
-  const QString marked = File();
+  if (!inputs_->isEnabled()) return;  // the choice is made
+  const QString marked = file();
   QStringList unknown;
   list_->clear();
   for (const QString& file : files_.files()) {
@@ -176,31 +174,21 @@ void SpawnDialog::SetPicture(const QString& file, const QImage& picture) {
   }
 }
 
-/// The model that is marked, or the path in the field.
-QString SpawnDialog::File() const {
+QString SpawnDialog::file() const {
   const QListWidgetItem* item = list_->currentItem();
   return item ? item->data(kFileRole).toString() : search_->text().trimmed();
 }
 
-QWidget* SpawnDialog::MakeNumberRow() {
-  is_numbered_->setObjectName("is_numbered");
-  is_numbered_->setToolTip("Append a number to the name, one more for each model.");
-  number_->setObjectName("number");
-  number_->setEnabled(is_numbered_->isChecked());
-  connect(is_numbered_, &QCheckBox::toggled, number_, &QWidget::setEnabled);
+QString SpawnDialog::name() const { return name_->text().trimmed(); }
 
-  auto* row = new QWidget;
-  auto* layout = new QHBoxLayout(row);
-  layout->setContentsMargins(0, 0, 0, 0);
-  layout->addWidget(is_numbered_);
-  layout->addWidget(number_);
-  layout->addStretch();
-  return row;
+QString SpawnDialog::ns() const {
+  const QString ns = namespace_->text().trimmed();
+  return has_own_namespace_ || ns.isEmpty() ? ns : "~" + ns;
 }
 
 void SpawnDialog::SelectFile() {
-  const QFileInfo present(File());
-  const bool has_folder = !File().isEmpty() && present.dir().exists();
+  const QFileInfo present(file());
+  const bool has_folder = !file().isEmpty() && present.dir().exists();
   auto* chooser = new QFileDialog(this, "Select model file",
                                   has_folder ? present.absolutePath() : QDir::homePath(),
                                   "Models (*.yaml *.yml);;All files (*)");
@@ -220,59 +208,47 @@ void SpawnDialog::SelectFile() {
   chooser->activateWindow();
 }
 
-void SpawnDialog::SetNames(const WorldNames& names) {
-  names_ = names;
-  if (inputs_->isEnabled()) Suggest();
-}
-
 void SpawnDialog::Suggest() {
   if (!has_own_name_ && !name_->hasFocus()) {
-    const QString name = NameFromFile(File());
-    name_->setText(is_numbered_->isChecked() ? name : names_.FreeName(name));
+    name_->setText(models_.FreeName(NameFromFile(file())));
   }
-  if (!has_own_namespace_) {
-    const QString file = File();
-    namespace_->setText(names_.FindTwin(file, {}) ? choice().Name() : QString());
-  }
+  if (!has_own_namespace_) namespace_->setText(models_.FindTwin(file(), "") ? name() : QString());
   WarnOfTwin();
 }
 
 void SpawnDialog::WarnOfTwin() {
-  const flatland_msgs::ModelInfo* twin = names_.FindTwin(File(), namespace_->text().trimmed());
+  const WorldModel* twin = models_.FindTwin(file(), namespace_->text().trimmed().toStdString());
   if (!twin) {
-    message_->ShowInfo({});
+    Say({});
     return;
   }
-  const QString name = QString::fromStdString(twin->name), commands = CommandTopic(*twin);
-  message_->ShowInfo(commands.isEmpty()
-                         ? QString("%1 has the same topics. Give this one a namespace.").arg(name)
-                         : QString("%1 listens to %2, too: one command would drive both. Give this "
-                                   "one a namespace.")
-                               .arg(name, commands));
+  const QString name = QString::fromStdString(twin->info.name);
+  const QString commands = QString::fromStdString(twin->command_topic());
+  Say(commands.isEmpty()
+          ? QString("%1 has the same topics. Give this one a namespace.").arg(name)
+          : QString("%1 listens to %2, too: one command would drive both. Give this one a "
+                    "namespace.")
+                .arg(name, commands));
 }
 
-ModelChoice SpawnDialog::choice() const {
-  ModelChoice choice;
-  choice.file = File();
-  if (has_own_name_) {
-    choice.own_name = name_->text().trimmed();
-  } else {
-    choice.proposed_name = name_->text().trimmed();
-  }
-  (has_own_namespace_ ? choice.own_ns : choice.proposed_ns) = namespace_->text().trimmed();
-  choice.is_numbered = is_numbered_->isChecked();
-  choice.number = number_->value();
-  return choice;
+void SpawnDialog::Say(const QString& message, bool is_error) {
+  const bool is_dark = palette().color(QPalette::Window).lightness() < 128;
+  const char* const red = is_dark ? "color: #ff8075" : "color: #c62828";
+  message_->setStyleSheet(is_error ? red : "");
+  message_->setPlainText(message);
+  message_->setVisible(!message.isEmpty());
+  layout()->activate();
+  resize(width(), layout()->sizeHint().height());
 }
 
 void SpawnDialog::Open(const QString& error, bool is_placed) {
   SetInputEnabled(true);
-  Suggest();
+  ShowFiles();
   QPushButton* ok = buttons_->button(QDialogButtonBox::Ok);
   ok->setText(is_placed ? "&Spawn" : "&Place");
   ok->setToolTip(is_placed ? "Spawn it where it was placed."
                            : "Choose its place by mouse: press, drag to turn it, release.");
-  if (!error.isEmpty()) message_->ShowError(error);
+  if (!error.isEmpty()) Say(error, true);
   open();
   raise();
   activateWindow();  // gives it the keyboard where there is no window manager
@@ -282,9 +258,11 @@ void SpawnDialog::Open(const QString& error, bool is_placed) {
   ok->setDefault(true);  // while it was disabled, Cancel became the default
 }
 
+void SpawnDialog::Remember() { files_.AddRecent(file()); }
+
 void SpawnDialog::Wait(const QString& reason) {
   SetInputEnabled(false);
-  message_->ShowInfo(reason);
+  Say(reason);
 }
 
 void SpawnDialog::SetInputEnabled(bool is_enabled) {
@@ -293,10 +271,10 @@ void SpawnDialog::SetInputEnabled(bool is_enabled) {
 }
 
 void SpawnDialog::accept() {
-  if (choice().file.isEmpty()) {
+  if (file().isEmpty()) {
     Open("Choose a model, or type the path of its file.", false);
   } else {
-    Q_EMIT Submitted(choice());
+    Q_EMIT Submitted();
   }
 }
 

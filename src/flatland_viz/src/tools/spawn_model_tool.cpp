@@ -10,11 +10,13 @@
 #include <rviz/viewport_mouse_event.h>
 #include <rviz/window_manager_interface.h>
 
+#include <QRegularExpression>
 #include <cmath>
 
-#include "error_text.hpp"
-#include "one_shot_tool.hpp"
+#include "pause_sim_tool.hpp"
 #include "screen_scale.hpp"
+#include "window_property.hpp"
+#include "world_models.hpp"
 
 namespace flatland_viz {
 namespace {
@@ -35,32 +37,35 @@ bool IsForTheView(const rviz::ViewportMouseEvent& event) {
          (event.buttons_down & Qt::MiddleButton);
 }
 
+/// The error of a failed call; empty after success. A response's text begins with the name of an
+/// exception class, which is for programs: "ModelError: there is no model".
+template <class Response>
+QString Failure(const QString& error, const Response& response) {
+  if (!error.isEmpty() || response.success) return error;
+  return QString::fromStdString(response.message).remove(QRegularExpression("^[A-Za-z_]+Error: "));
+}
+
 }  // namespace
 
-SpawnModelTool::SpawnModelTool() : properties_(getPropertyContainer()) { shortcut_key_ = 'a'; }
+SpawnModelTool::SpawnModelTool() : spawned_(WindowProperty("Spawned", getPropertyContainer())) {
+  shortcut_key_ = 'a';
+}
 
 SpawnModelTool::~SpawnModelTool() { End(); }
 
 void SpawnModelTool::onInitialize() {
   setCursor(Qt::CrossCursor);  // rviz's default, the icon, would cover the model
-  // A OneShotTool such as PauseSim interrupts this tool within one key press. So deactivate() does
-  // not end it, only another tool that becomes the current one.
+  // PauseSim interrupts this tool within one key press. So deactivate() does not end it, only
+  // another tool that becomes the current one.
   connect(context_->getToolManager(), &rviz::ToolManager::toolChanged, this,
           [this](rviz::Tool* current) {
             if (current != this) End();
           });
-  ros::NodeHandle node;
-  node.setCallbackQueue(context_->getUpdateQueue());
-  models_ = node.subscribe<flatland_msgs::ModelList>(
-      "/flatland_server/models", 1, [this](const flatland_msgs::ModelList::ConstPtr& models) {
-        names_ = WorldNames(*models);
-        files_.Add(*models);
-        if (dialog_) dialog_->SetNames(names_);
-      });
+  models_ = WorldModels::Of(*context_);
 }
 
 void SpawnModelTool::activate() {
-  if (phase_ != Phase::kOff && OneShotTool::is_handing_over()) {
+  if (phase_ != Phase::kOff && PauseSimTool::is_handing_over()) {
     ShowHint();
   } else {
     End();
@@ -72,10 +77,7 @@ void SpawnModelTool::OpenMenu(const QString& error) {
   phase_ = Phase::kMenu;
   if (!dialog_) {
     rviz::WindowManagerInterface* windows = context_->getWindowManager();
-    dialog_ =
-        new SpawnDialog(windows ? windows->getParentWindow() : nullptr, properties_.Read(), files_);
-    dialog_->SetNames(names_);
-    files_.Look();
+    dialog_ = new SpawnDialog(windows ? windows->getParentWindow() : nullptr, *models_);
     connect(dialog_, &SpawnDialog::Submitted, this, &SpawnModelTool::AskForMarkers);
     connect(dialog_, &QDialog::rejected, this, &rviz::Tool::close);
   }
@@ -83,10 +85,8 @@ void SpawnModelTool::OpenMenu(const QString& error) {
   ShowHint();
 }
 
-void SpawnModelTool::AskForMarkers(const ModelChoice& choice) {
-  properties_.Write(choice);
-  choice_ = choice;
-  if (choice.file == placed_file_) {
+void SpawnModelTool::AskForMarkers() {
+  if (dialog_->file() == placed_file_) {
     dialog_->Wait("The server spawns the model ...");
     Spawn();
     return;
@@ -95,14 +95,13 @@ void SpawnModelTool::AskForMarkers(const ModelChoice& choice) {
   preview_.reset();
   dialog_->Wait("Asking the server what the model looks like ...");
   GetModelMarkers::Request request;
-  request.yaml_path = choice.file.toStdString();
+  request.yaml_path = dialog_->file().toStdString();
   server_.Call<GetModelMarkers>(
       "/get_model_markers", request,
       [this](const QString& error, const GetModelMarkers::Response& response) {
-        if (!error.isEmpty()) {
-          OpenMenu(error);
-        } else if (!response.success) {
-          OpenMenu(QString::fromStdString(ErrorText(response.message)));
+        const QString failure = Failure(error, response);
+        if (!failure.isEmpty()) {
+          OpenMenu(failure);
         } else if (!WorldPlane::Find(*context_)) {
           OpenMenu(QString("There is no transform from the world's frame \"%1\" to rviz's fixed "
                            "frame \"%2\". Choose \"%1\" as the fixed frame.")
@@ -165,34 +164,25 @@ void SpawnModelTool::Follow(const rviz::ViewportMouseEvent& event) {
 void SpawnModelTool::Spawn() {
   phase_ = Phase::kSpawning;
   ShowHint();
-  const ModelChoice choice = choice_;
-  placed_file_ = choice.file;
+  placed_file_ = dialog_->file();
+  const QString name = dialog_->name();
   SpawnModel::Request request;
-  request.yaml_path = choice.file.toStdString();
-  request.name = choice.Name().toStdString();
-  request.ns = choice.Namespace().toStdString();
+  request.yaml_path = placed_file_.toStdString();
+  request.name = name.toStdString();
+  request.ns = dialog_->ns().toStdString();
   request.pose = pose_;
   server_.Call<SpawnModel>(
       "/spawn_model", request,
-      [this, choice](const QString& error, const SpawnModel::Response& response) {
-        if (!error.isEmpty()) {
-          OpenMenu(error);
-        } else if (!response.success) {
-          OpenMenu(QString::fromStdString(ErrorText(response.message)));
-        } else {
-          ModelChoice next = choice;
-          if (choice.is_numbered) {
-            ++next.number;
-          } else {
-            next.own_name.clear();  // both are taken now
-            next.own_ns.clear();
-          }
-          properties_.Write(next);
-          files_.AddRecent(choice.file);
-          properties_.Announce(choice.Name());
-          Q_EMIT close();
-          setStatus(QString("Spawned %1.").arg(choice.Name().toHtmlEscaped()));
+      [this, name](const QString& error, const SpawnModel::Response& response) {
+        const QString failure = Failure(error, response);
+        if (!failure.isEmpty()) {
+          OpenMenu(failure);
+          return;
         }
+        dialog_->Remember();
+        Announce(spawned_, name);
+        Q_EMIT close();
+        setStatus(QString("Spawned %1.").arg(name.toHtmlEscaped()));
       });
 }
 

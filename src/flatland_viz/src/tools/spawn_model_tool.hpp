@@ -3,23 +3,24 @@
 /// rviz's tool that spawns models by mouse.
 
 #include <geometry_msgs/Pose2D.h>
-#include <ros/subscriber.h>
 #include <rviz/tool.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include <QPointer>
 #include <memory>
 
-#include "model_choice.hpp"
-#include "model_files.hpp"
 #include "model_preview.hpp"
 #include "service_caller.hpp"
 #include "spawn_dialog.hpp"
-#include "spawn_properties.hpp"
-#include "world_names.hpp"
 #include "world_plane.hpp"
 
+namespace rviz {
+class Property;
+}
+
 namespace flatland_viz {
+
+class WorldModels;
 
 /// First the user chooses a model in a palette. A press of the left button sets its position, a
 /// drag its heading, and the server spawns it on release. If the server refuses, the menu opens
@@ -41,18 +42,15 @@ class SpawnModelTool : public rviz::Tool {
   enum class Phase { kOff, kMenu, kTranslation, kRotation, kSpawning };
 
   void OpenMenu(const QString& error = {});
-  void AskForMarkers(const ModelChoice& choice);
+  void AskForMarkers();
   void StartPlacing(const visualization_msgs::MarkerArray& markers);
   void Follow(const rviz::ViewportMouseEvent& event);
   void Spawn();
   void End();
   void ShowHint();
 
-  SpawnProperties properties_;
-  ModelChoice choice_;  // to be spawned
-  WorldNames names_;    // of the models in the world
-  ModelFiles files_;    // to choose from
-  ros::Subscriber models_;
+  rviz::Property* spawned_;  // the name of the last model; for the window
+  std::shared_ptr<WorldModels> models_;
   ServiceCaller server_;
   QPointer<SpawnDialog> dialog_;  // belongs to the window, if there is one
   std::unique_ptr<ModelPreview> preview_;

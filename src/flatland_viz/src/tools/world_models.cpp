@@ -3,11 +3,12 @@
 #include <ros/node_handle.h>
 #include <rviz/display_context.h>
 
+#include <QDir>
+#include <QFileInfo>
+#include <QRegularExpression>
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-#include "world_names.hpp"
 
 namespace flatland_viz {
 namespace {
@@ -20,8 +21,17 @@ const std::array<QColor, 6> kColors = {QColor(213, 94, 0),  QColor(0, 114, 178),
 
 }  // namespace
 
+std::string WorldModel::command_topic() const {
+  for (const flatland_msgs::PluginInfo& plugin : info.plugins) {
+    for (const flatland_msgs::TopicInfo& topic : plugin.topics) {
+      if (!topic.is_published && topic.type == "geometry_msgs/Twist") return topic.name;
+    }
+  }
+  return {};
+}
+
 bool WorldModel::is_robot() const {
-  return !CommandTopic(info).isEmpty() ||
+  return !command_topic().empty() ||
          std::any_of(info.plugins.begin(), info.plugins.end(), [](const auto& plugin) {
            return QString::fromStdString(plugin.type).endsWith("Drive");
          });
@@ -112,6 +122,32 @@ WorldModels::WorldModels(rviz::DisplayContext& context) {
 const WorldModel* WorldModels::Find(const std::string& name) const {
   const auto found = models_.find(name);
   return found == models_.end() ? nullptr : &found->second;
+}
+
+const WorldModel* WorldModels::FindTwin(const QString& file, const std::string& ns) const {
+  // The server looks up a relative name beside its world, and in its own folders.
+  const bool is_relative = QFileInfo(file).isRelative();
+  const QString path =
+      is_relative ? QDir::cleanPath("/" + file) : QFileInfo(file).canonicalFilePath();
+  if (path.isEmpty()) return nullptr;  // there is no such file on this machine
+  for (const auto& [name, model] : models_) {
+    const QString known = QString::fromStdString(model.info.yaml_path);
+    const bool is_same = is_relative ? known.endsWith(path) : known == path;
+    const auto& plugins = model.info.plugins;
+    const bool has_topics = std::any_of(plugins.begin(), plugins.end(),
+                                        [](const auto& each) { return !each.topics.empty(); });
+    if (is_same && has_topics && model.info.ns == ns) return &model;
+  }
+  return nullptr;
+}
+
+QString WorldModels::FreeName(const QString& name) const {
+  const auto match = QRegularExpression("^(.*?)([0-9]{1,6})$").match(name);
+  const QString stem = match.hasMatch() ? match.captured(1) : name + "_";
+  int number = match.hasMatch() ? match.captured(2).toInt() : 1;
+  QString free_name = name;
+  while (Find(free_name.toStdString())) free_name = stem + QString::number(++number);
+  return free_name;
 }
 
 void WorldModels::Select(const std::string& name) {

@@ -27,6 +27,8 @@ struct WorldModel {
 
   /// True if its state is known, from the first message on.
   bool is_placed() const { return !state.bodies.empty(); }
+  /// The topic of its velocity commands; empty if it has no drive.
+  std::string command_topic() const;
   /// True if it has a drive: it takes velocities. Boxes, doors and fixed sensors have none.
   bool is_robot() const;
   /// Its accent colour.
@@ -61,6 +63,11 @@ class WorldModels : public QObject {
   const std::map<std::string, WorldModel>& models() const { return models_; }
   /// Null if there is no such model.
   const WorldModel* Find(const std::string& name) const;
+  /// A model of this file and namespace, with topics: another one of them would have the same
+  /// topics. Null if there is none.
+  const WorldModel* FindTwin(const QString& file, const std::string& ns) const;
+  /// The name, or if it is taken, the same with the next number that is free: box_2, r3 for r2.
+  QString FreeName(const QString& name) const;
   /// Incremented by every change.
   unsigned revision() const { return revision_; }
 

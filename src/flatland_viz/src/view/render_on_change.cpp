@@ -9,13 +9,18 @@
 
 #include <QEvent>
 #include <QWindow>
+#include <algorithm>
 #include <pluginlib/class_list_macros.hpp>
 
-#include "exposures.hpp"
 #include "scene_digest.hpp"
 
 namespace flatland_viz {
 namespace {
+
+constexpr double kShare = 0.45;      // greatest share of a core for drawing
+constexpr double kRest = 1.0;        // s: period of drawing even without a noticed change
+constexpr double kActionTime = 0.5;  // s: time of unlimited drawing after an action of the user
+constexpr double kMemory = 0.8;      // weight of earlier frames in the smoothed cost
 
 double Seconds(clockid_t clock) {
   timespec time;
@@ -32,8 +37,6 @@ bool IsHidden(const QWidget& widget) {
 
 }  // namespace
 
-RenderOnChange::RenderOnChange() = default;
-
 RenderOnChange::~RenderOnChange() {
   if (initialized()) RenderOnChange::onDisable();
 }
@@ -46,15 +49,11 @@ void RenderOnChange::onInitialize() {
 void RenderOnChange::onEnable() {
   Ogre::Root::getSingleton().addFrameListener(this);
   panel_->installEventFilter(this);
-  unsigned long id = 0;
-  window_->getCustomAttribute("WINDOW", &id);
-  exposures_ = std::make_unique<Exposures>(id, [this] { schedule_.Request(); });
-  schedule_.Request();
+  is_requested_ = true;
 }
 
 void RenderOnChange::onDisable() {
   Ogre::Root::getSingleton().removeFrameListener(this);
-  exposures_.reset();
   if (!panel_) return;  // rviz is ending
   panel_->removeEventFilter(this);
   window_->setAutoUpdated(true);
@@ -62,7 +61,7 @@ void RenderOnChange::onDisable() {
 
 void RenderOnChange::reset() {
   Display::reset();
-  schedule_.Request();
+  is_requested_ = true;
 }
 
 bool RenderOnChange::eventFilter(QObject* watched, QEvent* event) {
@@ -73,11 +72,11 @@ bool RenderOnChange::eventFilter(QObject* watched, QEvent* event) {
     case QEvent::Wheel:
     case QEvent::KeyPress:
     case QEvent::Resize:
-      schedule_.UserActed(Seconds(CLOCK_MONOTONIC));
+      user_acted_ = Seconds(CLOCK_MONOTONIC);
       break;
     case QEvent::Show:
     case QEvent::Paint:
-      schedule_.Request();
+      is_requested_ = true;
       break;
     default:
       break;
@@ -85,17 +84,22 @@ bool RenderOnChange::eventFilter(QObject* watched, QEvent* event) {
   return Display::eventFilter(watched, event);
 }
 
+bool RenderOnChange::IsDue(double now) const {
+  const double age = now - drawing_began_, shortest = cost_ / kShare;
+  if (!is_requested_) return age >= std::max(kRest, shortest);
+  return age >= shortest || now - user_acted_ < kActionTime;
+}
+
 bool RenderOnChange::frameStarted(const Ogre::FrameEvent&) {
   if (!panel_) return true;
-  is_drawing_ = false;
-  if (IsHidden(*panel_)) {
-    schedule_.Request();
-  } else {
-    const std::uint64_t digest = DigestOfScene(*window_);
-    if (digest != digest_) schedule_.Request();
-    digest_ = digest;
-    drawing_began_ = Seconds(CLOCK_MONOTONIC);
-    is_drawing_ = schedule_.IsDue(drawing_began_);
+  const std::uint64_t digest = IsHidden(*panel_) ? digest_ : DigestOfScene(*window_);
+  const double now = Seconds(CLOCK_MONOTONIC);
+  is_requested_ |= digest != digest_ || IsHidden(*panel_);
+  is_drawing_ = !IsHidden(*panel_) && IsDue(now);
+  digest_ = digest;
+  if (is_drawing_) {
+    is_requested_ = false;
+    drawing_began_ = now;
     cpu_began_ = Seconds(CLOCK_PROCESS_CPUTIME_ID);
   }
   window_->setAutoUpdated(is_drawing_);
@@ -104,9 +108,10 @@ bool RenderOnChange::frameStarted(const Ogre::FrameEvent&) {
 
 bool RenderOnChange::frameEnded(const Ogre::FrameEvent&) {
   if (is_drawing_) {
-    schedule_.Drawn(drawing_began_, Seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu_began_);
-    is_drawing_ = false;
+    const double cost = Seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu_began_;
+    cost_ = kMemory * cost_ + (1.0 - kMemory) * cost;
   }
+  is_drawing_ = false;
   return true;
 }
 

@@ -9,11 +9,13 @@
 #include <rviz/render_panel.h>
 #include <rviz/view_manager.h>
 
+#include <QRectF>
 #include <algorithm>
 #include <cmath>
 #include <pluginlib/class_list_macros.hpp>
 #include <utility>
 
+#include "../tools/window_property.hpp"
 #include "wall_fill.hpp"
 #include "wall_lines.hpp"
 
@@ -32,8 +34,8 @@ constexpr float kContrast = 0.4f;        // difference of brightness; walls with
 constexpr float kWantedContrast = 0.5f;  // difference after the change
 constexpr float kMostContrast = 0.6f;    // on a dark background, where white walls would dazzle
 
-/// The bounding box of all walls, as numbers in a string; empty if there are none.
-QString BoundsOf(const flatland_msgs::Walls& walls) {
+/// The bounding box of all walls; null if there are none.
+QRectF BoundsOf(const flatland_msgs::Walls& walls) {
   float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
   for (const flatland_msgs::LayerWalls& layer : walls.layers) {
     for (std::size_t i = 0; i < layer.segments.size(); ++i) {
@@ -41,8 +43,8 @@ QString BoundsOf(const flatland_msgs::Walls& walls) {
       high[i % 2] = std::max(high[i % 2], layer.segments[i]);
     }
   }
-  if (!(low[0] <= high[0])) return QString();
-  return QString("%1 %2 %3 %4").arg(low[0]).arg(low[1]).arg(high[0]).arg(high[1]);
+  if (!(low[0] <= high[0])) return QRectF();
+  return QRectF(low[0], low[1], high[0] - low[0], high[1] - low[1]);
 }
 
 /// The outlines of filled walls that are drawn, so that thin walls are visible from afar: lines
@@ -111,13 +113,8 @@ struct WallsDisplay::Layer {
 WallsDisplay::WallsDisplay()
     : TopicDisplay(ros::message_traits::datatype<flatland_msgs::Walls>(),
                    "A topic with the walls of all layers."),
-      progress_(new rviz::Property("Progress", 100, "Percent of the walls that are shown.", this)),
-      bounds_(new rviz::Property("Bounds", "", "Least x and y, greatest x and y [m].", this)) {
-  for (rviz::Property* property : {progress_, bounds_}) {
-    property->setReadOnly(true);
-    property->setShouldBeSaved(false);
-  }
-}
+      progress_(WindowProperty("Progress", this, 100)),
+      bounds_(WindowProperty("Bounds", this, QRectF())) {}
 
 WallsDisplay::~WallsDisplay() { subscriber_.shutdown(); }
 

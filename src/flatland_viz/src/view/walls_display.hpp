@@ -45,7 +45,7 @@ class WallsDisplay : public TopicDisplay {
   void Place();
 
   rviz::Property* progress_;  // percent of the walls that are shown
-  rviz::Property* bounds_;    // "min_x min_y max_x max_y" of the walls [m]; empty without walls
+  rviz::Property* bounds_;    // of the walls [m]; null without walls
   std::mutex mutex_;
   /// A message, and for each of its layers the corners of triangles within its outlines, and the
   /// ends of those lines that are drawn; none: all.

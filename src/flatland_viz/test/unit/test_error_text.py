@@ -1,43 +1,8 @@
-"""The errors of services as users read them: in the window (Python) and in rviz's tools (C++)."""
-
-import shutil
-import subprocess
-from pathlib import Path
-from typing import Callable
+"""The errors of services as users of the window read them."""
 
 import pytest
 
 from flatland_viz.error_text import error_text
-
-TOOLS = Path(__file__).resolve().parents[2] / "src" / "tools"
-
-MAIN = """
-#include <iostream>
-#include "error_text.hpp"
-int main(int, char** arguments) { std::cout << flatland_viz::ErrorText(arguments[1]); }
-"""
-
-
-@pytest.fixture(scope="module", params=["python", pytest.param("c++", marks=pytest.mark.slow)])
-def text_of(request, tmp_path_factory) -> Callable[[str], str]:
-    """The function, in one of the two languages."""
-    if request.param == "python":
-        return error_text
-    compiler = shutil.which("c++")
-    if compiler is None:
-        pytest.skip("there is no C++ compiler")
-    folder = tmp_path_factory.mktemp("error_text")
-    (folder / "main.cpp").write_text(MAIN)
-    sources = [folder / "main.cpp", TOOLS / "error_text.cpp"]
-    program = folder / "error_text"
-    subprocess.run(
-        [compiler, "-std=c++17", f"-I{TOOLS}", *map(str, sources), "-o", str(program)], check=True
-    )
-    return lambda message: (
-        subprocess.run(
-            [str(program), message], stdout=subprocess.PIPE, text=True, check=True
-        ).stdout
-    )
 
 
 @pytest.mark.parametrize(
@@ -54,5 +19,5 @@ def text_of(request, tmp_path_factory) -> Callable[[str], str]:
         ("", ""),
     ],
 )
-def test_the_exception_class_is_left_out(text_of, message, text):
-    assert text_of(message) == text
+def test_the_exception_class_is_left_out(message, text):
+    assert error_text(message) == text

@@ -36,8 +36,15 @@ def test_a_robot_is_read():
     assert robot.failed == ("laser",)
     assert robot.command_topic == "/r2/cmd_vel"
     assert robot.size == 1.25
+    assert not robot.steers
     published = ["/r2/odometry/filtered", "/r2/scan"]
     assert [topic.name for topic in sorted_topics(robot.topics)] == [*published, "/r2/cmd_vel"]
+
+
+def test_a_tricycle_steers():
+    robot = ModelInfo(name="t", plugins=[PluginInfo("drive", "TricycleDrive", False, [COMMAND])])
+
+    assert models_of(ModelList([robot]))["t"].steers
 
 
 def test_models_are_in_natural_order_and_own_their_scans():

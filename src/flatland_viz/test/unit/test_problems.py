@@ -1,6 +1,6 @@
 """Collection of problems by the window."""
 
-from flatland_viz.drive_robots import Robot
+from flatland_viz.model_list import Model, Topic
 from flatland_viz.problems import (
     Problem,
     Problems,
@@ -13,17 +13,16 @@ from flatland_viz.problems import (
 FAILED = Problem("server: plugin a/b", "switched off", True, 1, 1.0)
 
 
-def test_events_are_counted_and_the_latest_comes_first():
+def test_the_latest_problem_of_all_groups_comes_first():
+    warning = Problem("transforms", "old", False, 1, 1.0)
     problems = Problems()
-    problems.add("/server", "a", False, 1.0)
-    problems.add("/server", "b", True, 2.0)
-    problems.add("/server", "a", False, 3.0)
-
-    assert problems.latest_first == [
-        Problem("/server", "a", False, 2, 3.0),
-        Problem("/server", "b", True, 1, 2.0),
-    ]
+    problems.report("w", [warning])
+    problems.report("d", [FAILED])
+    assert problems.latest_first == [FAILED, warning]
     assert problems.has_errors
+
+    problems.report("w", [warning._replace(times=2)])
+    assert problems.latest_first == [warning._replace(times=2), FAILED]
 
 
 def test_states_last_until_they_are_reported_no_more():
@@ -61,14 +60,6 @@ def test_a_repeated_log_entry_comes_back_with_its_number():
     assert problems.latest_first == [repeated]
 
 
-def test_events_are_forgotten_when_the_world_is_loaded_anew():
-    problems = Problems()
-    problems.report("d", [FAILED])
-    problems.add("/server", "r22 is stuck", False, 3.0)
-    problems.forget_events()
-    assert problems.latest_first == [FAILED]
-
-
 def test_frames_of_one_node_are_no_problem():
     assert frames_published_twice([("map", "odom", "/a"), ("odom", "base", "/a")]) == []
 
@@ -82,9 +73,12 @@ def test_frames_of_two_nodes_are_named():
 
 
 def test_robots_with_the_same_commands_are_named():
-    robots = [Robot("r1", "/cmd_vel", False), Robot("r2", "/cmd_vel", True)]
+    def model(name, *commands):
+        topics = tuple(Topic(each, "geometry_msgs/Twist", False, "drive") for each in commands)
+        return Model(name, "", "", (), (), topics, 0.4, False)
 
-    [text] = shared_commands([*robots, Robot("r3", "/r3/cmd_vel", False)])
+    names = {"r1": ["/cmd_vel"], "r2": ["/cmd_vel"], "r3": ["/r3/cmd_vel"], "a": [], "b": []}
+    [text] = shared_commands(model(name, *commands) for name, commands in names.items())
 
     assert text.startswith("r1 and r2 subscribe to /cmd_vel:")
     assert listed("abcde") == "a, b, c and 2 others"

@@ -1,17 +1,6 @@
-"""The list of worlds that were opened last."""
+"""The names of the worlds that were opened last."""
 
-from flatland_viz.recent_worlds import names_of, with_recent
-
-
-def test_the_present_world_comes_first_and_each_once():
-    assert with_recent(["/a", "/b", "/c"], "/b") == ["/b", "/a", "/c"]
-    assert with_recent([], "/a") == ["/a"]
-
-
-def test_the_list_has_an_end():
-    paths = [f"/{number}" for number in range(8)]
-
-    assert with_recent(paths, "/new") == ["/new", *paths[:7]]
+from flatland_viz.world_menu import names_of
 
 
 def test_names_tell_files_apart():

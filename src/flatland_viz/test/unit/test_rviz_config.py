@@ -55,7 +55,6 @@ def test_the_window_has_tools_for_the_world(base):
         "flatland_viz/Measure",
         "flatland_viz/SpawnModel",
         "flatland_viz/PauseSim",
-        "flatland_viz/ChangeRate",
     ]
 
 

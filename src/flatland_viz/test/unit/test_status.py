@@ -10,7 +10,7 @@ RUNNING = Simulation(time=12.345, is_paused=False, rate=1.0, real_time_factor=0.
 
 
 def test_a_running_simulation():
-    assert status(RUNNING, silence=0.2) == ("12.3 s", "1.00 x real time", "running")
+    assert status(RUNNING, silence=0.2) == ("12.3 s", "1.00 x", "running")
 
 
 def test_a_paused_simulation_has_no_speed():
@@ -22,11 +22,11 @@ def test_a_paused_simulation_has_no_speed():
 @pytest.mark.parametrize(
     ("rate", "factor", "speed"),
     [
-        (1.0, 0.91, "0.91 x real time"),
-        (1.0, 0.5, "0.50 x real time (asked: 1 x)"),
-        (10.0, 4.321, "4.32 x real time (asked: 10 x)"),
-        (0.1, 0.1, "0.10 x real time"),
-        (math.inf, 87.6, "87.60 x real time"),
+        (1.0, 0.91, "0.91 x"),
+        (1.0, 0.5, "0.50 of 1 x"),
+        (10.0, 4.321, "4.32 of 10 x"),
+        (0.1, 0.1, "0.10 x"),
+        (math.inf, 87.6, "87.60 x"),
     ],
 )
 def test_the_requested_speed_is_shown_if_it_is_not_reached(rate, factor, speed):

@@ -11,40 +11,41 @@ from std_msgs.msg import Float64
 
 from flatland_viz.model_list import Topic
 from flatland_viz.plotted_values import paths_of, split, value_of
-from flatland_viz.trail import Trails
+from flatland_viz.trail import Line, Trail
 from flatland_viz.trail_display import odometry_topic
 
 
 def test_a_trail_is_sampled_and_is_cut_when_time_goes_back():
-    trails = Trails()
+    line = Line()
     for step in range(101):
-        trails.see("r1", step / 100, (step / 100, 0.0, 0.0))
+        line.add(step / 100, step / 100, 0.0)
 
-    assert 17 <= len(trails.of("r1").points) <= 21
-    before = trails.of("r1").revision
-    trails.see("r1", 0.5, (0.5, 0.0, 0.0))
-    assert trails.of("r1").points[-1][0] == pytest.approx(0.5, abs=0.06)
-    assert trails.of("r1").revision != before
-    assert trails.of("r2").points == []
+    assert 17 <= len(line.points) <= 21
+    line.has_changed = False
+    line.add(1.01, 1.0, 0.0)
+    assert not line.has_changed
+    line.add(0.5, 0.5, 0.0)
+    assert line.points[-1][0] == pytest.approx(0.5, abs=0.06)
+    assert line.has_changed
 
 
 def test_a_robot_that_was_put_elsewhere_begins_anew():
-    trails = Trails()
+    line = Line()
     for time, x in ((0.0, 0.0), (0.1, 0.1), (0.2, 3.0), (0.3, 3.1)):
-        trails.see("r1", time, (x, 0.0, 0.0))
+        line.add(time, x, 0.0)
 
-    assert trails.of("r1").points == [(3.0, 0.0), (3.1, 0.0)]
+    assert line.points == [(3.0, 0.0), (3.1, 0.0)]
 
 
 def test_the_odometry_trail_begins_at_the_robot():
-    trails = Trails()
-    trails.see("r1", 0.0, (2.0, 3.0, math.pi / 2))
-    trails.believe("r1", 0.0, (10.0, 0.0, 0.0))
-    trails.believe("r1", 1.0, (11.0, 0.0, 0.0))
+    trail = Trail()
+    trail.believe(0.0, (5.0, 0.0, 0.0))  # the robot is not seen yet
+    trail.see(0.0, (2.0, 3.0, math.pi / 2))
+    trail.believe(0.0, (10.0, 0.0, 0.0))
+    trail.believe(1.0, (11.0, 0.0, 0.0))
 
-    assert trails.belief_of("r1").points == [pytest.approx((2.0, 3.0)), pytest.approx((2.0, 4.0))]
-    trails.believe("r2", 1.0, (0.0, 0.0, 0.0))  # not seen yet
-    assert trails.belief_of("r1").points == trails.belief_of("r2").points == []
+    assert trail.truth.points == [(2.0, 3.0)]
+    assert trail.belief.points == [pytest.approx((2.0, 3.0)), pytest.approx((2.0, 4.0))]
 
 
 def test_the_odometry_of_a_robot_is_not_its_ground_truth():

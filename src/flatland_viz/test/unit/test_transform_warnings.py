@@ -81,15 +81,15 @@ def test_texts_that_are_counted_are_limited_in_number_and_length():
 
 def test_a_warning_that_goes_on_is_reported_with_its_number():
     warnings = TransformWarnings()
-    reports = [warnings.update({"odom": 19, "base": 1}, 100.0)[0]]
+    reports = [warnings.update({"odom": 19, "base": 1}, 100.0)]
     for second in range(1, 4):
-        reports.append(warnings.update({"odom": 100}, 100.0 + second)[0])
-    assert reports == [{}, {"odom": 119}, {"odom": 100}, {"odom": 100}]
+        reports.append(warnings.update({"odom": 100}, 100.0 + second))
+    assert reports == [{}, {"odom": 119}, {"odom": 219}, {"odom": 319}]
 
 
 def test_a_warning_that_comes_no_more_has_ended():
     warnings = TransformWarnings()
     warnings.update({"old": 30}, 100.0)
-    assert warnings.update({"new": 30}, 109.0) == ({"new": 30}, [])
-    assert warnings.update({}, 111.0) == ({}, ["old"])
-    assert warnings.update({}, 112.0) == ({}, [])
+    assert warnings.update({"new": 30}, 109.0) == {"old": 30, "new": 30}
+    assert warnings.update({}, 111.0) == {"new": 30}
+    assert warnings.update({"old": 1}, 112.0) == {"new": 30}

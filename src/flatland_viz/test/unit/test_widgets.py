@@ -1,42 +1,43 @@
 """Fields and panels of the window, without a screen."""
 
 import gc
+import math
 import time
 from pathlib import Path
 
 import pytest
-from python_qt_binding.QtCore import QEvent, QLocale, QObject, QPoint, Qt, QTimer, Signal
-from python_qt_binding.QtGui import QColor, QKeyEvent, QPalette, QPixmap
+from python_qt_binding.QtCore import QEvent, QLocale, QObject, QPoint, Qt, QTimer
+from python_qt_binding.QtGui import QColor, QKeyEvent, QPalette
 from python_qt_binding.QtTest import QTest
 from python_qt_binding.QtWidgets import (
-    QAction,
     QApplication,
     QFileDialog,
     QLabel,
     QLineEdit,
     QListWidget,
     QMainWindow,
+    QMessageBox,
     QSlider,
     QToolButton,
     QTreeWidget,
     QWidget,
 )
 
-from flatland_viz import drive_panel, model_panel, world_saving
+from flatland_viz import drive_panel, model_panel, world_menu
+from flatland_viz.drive_panel import NumberField
 from flatland_viz.file_dialog import ask_for_file
-from flatland_viz.labels import QuietLabel, SelectableLabel
-from flatland_viz.model_actions import ModelActions
+from flatland_viz.labels import SelectableLabel
+from flatland_viz.model_actions import ModelActions, pose_in, text_of
 from flatland_viz.model_list import Model, Topic
-from flatland_viz.move_dialog import MoveDialog
 from flatland_viz.problem_badge import ProblemList
 from flatland_viz.problems import Problem
-from flatland_viz.screenshot import write_picture
 from flatland_viz.selection import Selection
+from flatland_viz.simulation_menu import rate_of
 from flatland_viz.status import Simulation, Status
 from flatland_viz.status_line import StatusLine
 from flatland_viz.theme import Theme
 from flatland_viz.timeline import Timeline
-from flatland_viz.world_saving import WorldSaving
+from flatland_viz.world_menu import WorldMenu
 
 
 @pytest.fixture(scope="module")
@@ -56,15 +57,36 @@ def send_key(receiver, kind, key, text=""):
     QApplication.sendEvent(receiver, QKeyEvent(kind, key, Qt.NoModifier, text))
 
 
-@pytest.mark.parametrize("text", ["-1.5", "-1,5"])
+@pytest.mark.parametrize("text", ["1.5", "1,5"])
 def test_decimal_point_and_comma_are_equal_in_every_locale(application, locale, text):
-    dialog = MoveDialog(None, "crate", (1234.5, 0.0, 0.0))
-    field = dialog.findChild(QObject, "x")
-    assert field.text() == "1234.500 m"
+    field = NumberField("speed")
+    field.setRange(0.0, 20.0)
     field.selectAll()
     for character in text:
         send_key(field, QEvent.KeyPress, 0, character)
-    assert dialog.pose == (-1.5, 0.0, 0.0)
+    assert field.value() == rate_of(text) == 1.5
+
+
+@pytest.mark.parametrize(
+    ("text", "pose"),
+    [
+        ("[-1.5, 2, 0.25]", (-1.5, 2.0, 0.25)),
+        (" 1 2 3 ", (1.0, 2.0, 3.0)),
+        ("1, 2", None),
+        ("1, 2, x", None),
+        ("1, 2, inf", None),
+        ("", None),
+    ],
+)
+def test_a_pose_is_read_as_it_is_written_in_world_files(text, pose):
+    assert pose_in(text) == pose
+    assert pose is None or pose_in(text_of(pose)) == pose
+
+
+def test_a_rate_is_a_number_or_unlimited():
+    assert rate_of("as fast as possible") == math.inf
+    assert rate_of(" 0.5") == 0.5
+    assert math.isnan(rate_of("fast"))  # the server refuses it
 
 
 def test_times_of_problems_are_simulated_or_of_the_day(application, monkeypatch):
@@ -130,13 +152,18 @@ class Settings:
     def number(self, key, default):
         return default
 
+    def set_number(self, key, value):
+        pass
+
 
 def robot(name):
     topic = Topic(f"/{name}/cmd_vel", "geometry_msgs/Twist", False, "drive")
-    return Model(name, name, "", ("drive (DiffDrive)",), (), (topic,), 0.4)
+    return Model(name, name, "", ("drive (DiffDrive)",), (), (topic,), 0.4, False)
 
 
-def test_deleting_a_robot_does_not_pass_a_held_key_to_the_next(application, monkeypatch):
+@pytest.fixture
+def drive(application, monkeypatch):
+    """The Drive panel in a window, with two robots."""
     monkeypatch.setattr(drive_panel, "DrivePublisher", Publisher)
     window = QMainWindow()
     panel = drive_panel.DrivePanel(Selection(), Settings())
@@ -144,36 +171,45 @@ def test_deleting_a_robot_does_not_pass_a_held_key_to_the_next(application, monk
     window.show()
     panel.start()
     panel.set_models({"r1": robot("r1"), "r2": robot("r2")})
-    send_key(window.windowHandle(), QEvent.KeyPress, Qt.Key_Up)
-    commands = panel._publisher.commands
-    assert commands["/r1/cmd_vel"] == (0.5, 0.0, 0.0)
-
-    panel.set_models({"r2": robot("r2")})
-    assert commands["/r1/cmd_vel"] == (0.0, 0.0, 0.0)
-    assert commands["/r2/cmd_vel"] == (0.0, 0.0, 0.0)
+    yield panel
     window.close()
 
 
-class Interaction(QObject):
-    """A selected model at rest, with a negative zero in its pose."""
+def test_keys_that_are_held_together_drive(drive):
+    handle, commands = drive.window().windowHandle(), drive._publisher.commands
+    drive._speed.setValue(2.0)
+    for key in (Qt.Key_W, Qt.Key_Left, Qt.Key_E):
+        send_key(handle, QEvent.KeyPress, key)
+    assert commands["/r1/cmd_vel"] == (2.0, -2.0, 1.0)
+    send_key(handle, QEvent.KeyPress, Qt.Key_Shift)
+    assert commands["/r1/cmd_vel"] == (1.0, -1.0, 0.5)
+    for key in (Qt.Key_W, Qt.Key_Left, Qt.Key_E):
+        send_key(handle, QEvent.KeyRelease, key)
+    assert commands["/r1/cmd_vel"] == (0.0, 0.0, 0.0)
 
-    edited = Signal()
-    menu_asked = Signal(str)
-    state_changed = Signal(object)
 
-    def __init__(self):
-        super().__init__()
-        self.state = {"x": 1.5, "y": -0.0, "theta": -0.00001}
+def test_deleting_a_robot_does_not_pass_a_held_key_to_the_next(drive):
+    send_key(drive.window().windowHandle(), QEvent.KeyPress, Qt.Key_Up)
+    commands = drive._publisher.commands
+    assert commands["/r1/cmd_vel"] == (0.5, 0.0, 0.0)
+
+    drive.set_models({"r2": robot("r2")})
+    assert commands["/r1/cmd_vel"] == (0.0, 0.0, 0.0)
+    assert commands["/r2/cmd_vel"] == (0.0, 0.0, 0.0)
 
 
 @pytest.fixture
 def actions(application):
-    """The actions of a selected model, in a window with the keyboard focus."""
+    """The actions of a selected model, in a window with the keyboard focus.
+
+    The model rests, with a negative zero in its pose.
+    """
     window = QMainWindow()
     selection = Selection()
-    actions = ModelActions(window, None, selection, Interaction(), None)
+    actions = ModelActions(window, None, selection, None)
     actions.set_models({"r1": robot("r1")})
     selection.select("r1")
+    selection.set_state({"name": "r1", "x": 1.5, "y": -0.0, "theta": -0.00001})
     window.show()
     window.activateWindow()
     QTest.qWaitForWindowActive(window)
@@ -193,11 +229,11 @@ class Server:
 
 
 def test_a_copy_has_a_frame_of_odometry_of_its_own(actions):
-    actions._server = Server()
+    actions._services = Server()
     actions.set_models({"r1": robot("r1")._replace(file="robot.yaml")})
     actions.duplicate.trigger()
 
-    assert actions._server.namespaces == ["~r2"]
+    assert actions._services.namespaces == ["~r2"]
     assert actions.has_edited
 
 
@@ -240,32 +276,22 @@ class Monitor:
 def test_a_long_name_does_not_push_buttons_out_of_the_panel(actions, application, monkeypatch):
     monkeypatch.setattr(model_panel, "TopicMonitor", Monitor)
     selection, window = Selection(), actions.parent()
-    panel = model_panel.ModelPanel(selection, Interaction(), actions)
+    panel = model_panel.ModelPanel(selection, actions)
     window.addDockWidget(Qt.RightDockWidgetArea, panel)
     names = [f"delivery_robot_of_the_second_floor_in_the_east_wing_{i}" for i in range(2)]
     panel.set_models({name: robot(name) for name in names})
     selection.select(names[1])
     application.processEvents()
     title = panel.findChild(QLabel, "model_name")
-    assert title.text() == title.toolTip() == names[1]
-    assert title.shown_text.startswith("delivery")
-    assert title.shown_text.endswith("_1")
+    assert title.toolTip() == names[1]
+    assert title.text().startswith("delivery")
+    assert title.text().endswith("_1")
     for button in panel.findChildren(QToolButton):
         assert button.mapTo(panel, button.rect().bottomRight()).x() < panel.width()
 
 
 def test_a_held_key_does_not_repeat_actions_on_models(actions):
     assert not any(action.autoRepeat() for action in (*actions.all, actions.undo))
-
-
-def test_a_screenshot_without_a_known_suffix_is_a_png(application, tmp_path):
-    picture = QPixmap(4, 3)
-    picture.fill(Qt.red)
-    names = {"a.png": b"\x89PNG", "b.jpg": b"\xff\xd8", "floor.v2": b"\x89PNG"}
-    for name, begin in names.items():
-        assert write_picture(picture, str(tmp_path / name))
-        assert (tmp_path / name).read_bytes().startswith(begin)
-    assert not write_picture(picture, str(tmp_path / "nowhere" / "a.png"))
 
 
 def test_the_dialog_for_a_new_file_adds_the_suffix(application, tmp_path):
@@ -300,14 +326,14 @@ def test_the_state_is_readable_on_light_and_dark_desktops(application, backgroun
 
 def test_clicks_on_the_status_line_pause_and_open_the_rate(application):
     line, asked = StatusLine(), []
-    line.pause_asked.connect(asked.append)
+    line.pause_asked.connect(lambda: asked.append("pause"))
     line.rate_asked.connect(lambda: asked.append("rate"))
     state, speed = line.findChild(QLabel, "status_state"), line.findChild(QLabel, "status_speed")
     for shown in ("running", "paused", "no server"):
         line.show_status(Status("1.0 s", "", shown))
         QTest.mouseClick(state, Qt.LeftButton)
     QTest.mouseClick(speed, Qt.LeftButton)
-    assert asked == [True, False, "rate"]
+    assert asked == ["pause", "pause", "rate"]
 
 
 def test_a_hint_that_does_not_fit_is_elided(application):
@@ -342,7 +368,7 @@ def test_the_status_line_shows_what_the_view_follows(actions, application):
 def test_the_list_of_models_is_searched(actions, application, monkeypatch):
     monkeypatch.setattr(model_panel, "TopicMonitor", Monitor)
     selection = Selection()
-    panel = model_panel.ModelPanel(selection, Interaction(), actions)
+    panel = model_panel.ModelPanel(selection, actions)
     panel.set_models({name: robot(name) for name in ("r1", "crate_1", "Crate_2")})
     search, models = panel.findChild(QLineEdit), panel.findChild(QListWidget)
 
@@ -362,7 +388,7 @@ def test_the_list_of_models_is_searched(actions, application, monkeypatch):
 
 
 def test_the_dark_look_is_readable_and_the_light_one_comes_back(application):
-    theme, label = Theme(), QuietLabel("Pose")
+    theme, label = Theme(), QLabel("Pose")
     before = label.palette().color(QPalette.WindowText)
     theme.apply("dark")
     palette = application.palette()
@@ -417,53 +443,95 @@ def test_the_look_changes_while_closed_widgets_still_exist(application):
     gc.set_threshold(*thresholds)
 
 
-class World:
-    """Notes what is saved where; saves at once."""
+class World(QObject):
+    """Notes what is done; saves at once."""
 
     def __init__(self):
-        self.has_edited, self.saved = False, []
+        super().__init__()
+        self.has_edited, self.saved, self.resets = False, [], 0
 
     def save(self, path, then):
         self.saved.append(path)
         then()
 
-    def note_saved(self):
-        self.has_edited = False
+    def open(self, path):
+        pass
+
+    def reload(self):
+        pass
+
+    def reset(self):
+        self.resets += 1
 
 
-class Menus(QObject):
-    """The actions that save."""
-
-    save_asked, save_as_asked = Signal(), Signal()
+class Worlds:
+    """Settings with a list of worlds."""
 
     def __init__(self):
-        super().__init__()
-        self.save = QAction()
+        self.worlds = []
+
+    def list(self, key):
+        return self.worlds
+
+    def set_list(self, key, worlds):
+        self.worlds = worlds
 
 
 @pytest.fixture
 def saving(application):
     window, world = QMainWindow(), World()
-    return WorldSaving(window, world, Menus(), world), window, world
+    menu = WorldMenu(window, world, world, Worlds())
+    window.menuBar().addMenu(menu)
+    return menu, window, world
+
+
+def with_edits(number):
+    return Simulation(1.0, False, 1.0, 1.0, edits=number)
 
 
 def test_changes_by_programs_are_no_unsaved_changes_of_the_user(saving):
-    saving, window, world = saving
-    saving.show_edits(2)  # robots that a launch file has spawned
+    menu, window, world = saving
+    menu.show_simulation(with_edits(2))  # robots that a launch file has spawned
     assert not window.isWindowModified()
-    assert not saving.keep_changes("closing", window.close)
-    assert saving._menus.save.isEnabled()
+    assert not menu.keep_changes("closing", window.close)
+    assert menu._save_action.isEnabled()
 
     world.has_edited = True
-    saving.show_edits(3)
+    menu.show_simulation(with_edits(3))
     assert window.isWindowModified()
-    saving._menus.save_asked.emit()
-    saving.show_edits(1)
+    menu._save_action.trigger()
+    menu.show_simulation(with_edits(1))
     assert not window.isWindowModified()
+
+
+def test_a_reset_asks_before_changes_are_lost(saving):
+    menu, window, world = saving
+    menu.show_simulation(with_edits(0))
+    menu.reset.trigger()
+    assert world.resets == 1
+
+    world.has_edited = True
+    menu.show_simulation(with_edits(1))
+    menu.reset.trigger()
+    assert world.resets == 1
+    [question] = window.findChildren(QMessageBox)
+    question.button(QMessageBox.Discard).click()
+    assert world.resets == 2
+
+
+def test_worlds_that_were_opened_come_first_and_each_once(saving):
+    menu, _, _ = saving
+    for path in ("/a", "/b", "/a"):
+        menu.set_world(path)
+    assert menu._settings.worlds == ["/a", "/b"]
+    for number in range(9):
+        menu.set_world(f"/{number}")
+    assert menu._settings.worlds == [f"/{number}" for number in reversed(range(1, 9))]
 
 
 def test_a_world_of_the_installation_is_saved_in_a_copy(saving, tmp_path, monkeypatch):
-    saving, _, world = saving
+    menu, _, world = saving
+    menu.show_simulation(with_edits(1))
     package, answers = tmp_path / "share" / "my_robots", ["", "/home/me/floor.yaml"]
     package.mkdir(parents=True)
     (package / "package.xml").write_text("<package/>")
@@ -473,12 +541,12 @@ def test_a_world_of_the_installation_is_saved_in_a_copy(saving, tmp_path, monkey
         asked.append(start)
         return answers.pop(0)
 
-    monkeypatch.setattr(world_saving, "ask_for_file", ask)
+    monkeypatch.setattr(world_menu, "ask_for_file", ask)
     for path in (package / "floor.yaml", tmp_path / "world.yaml"):
         path.touch()
-        saving.set_world(str(path))
-        saving._menus.save_asked.emit()
-        saving._menus.save_asked.emit()
+        menu.set_world(str(path))
+        menu._save_action.trigger()
+        menu._save_action.trigger()
 
     assert asked == [str(Path.home() / "floor.yaml")] * 2
     assert world.saved == ["/home/me/floor.yaml", "", ""]  # none where the dialog was cancelled
