@@ -56,8 +56,8 @@ make_venv() {
   say "installing ${requirements##*/} into $folder/ ..."
   mkdir -p "${venv%/*}"
   "$python" -m venv --clear "$@" "$venv"
-  # Without PYTHONPATH: pip would leave out what is found there today.
-  env -u PYTHONPATH "$venv/bin/python" -m pip install --quiet --disable-pip-version-check \
+  # Without PYTHONPATH: pip would leave out what is found there today. Few of the modules are imported.
+  env -u PYTHONPATH "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-compile \
     --requirement "$requirements"
   cp "$requirements" "$venv/requirements.txt"
 }

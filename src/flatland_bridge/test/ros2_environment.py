@@ -111,8 +111,8 @@ class Ros2Environment:
 
     def _install(self):
         run(sys.executable, "-m", "venv", "--system-site-packages", self._venv)
-        options = ("--quiet", "--disable-pip-version-check", "-r", self._requirements)
-        run(self.python, "-m", "pip", "install", *options, timeout=LIMIT)
+        options = ("--quiet", "--disable-pip-version-check", "--no-compile", "-r")
+        run(self.python, "-m", "pip", "install", *options, self._requirements, timeout=LIMIT)
         # By this, messages would be built for programs in C++ with RMWs other than Fast DDS's, too.
         index = self._venv / "share" / "ament_index" / "resource_index" / "rosidl_typesupport_cpp"
         (index / "rosidl_typesupport_introspection_cpp").unlink()
@@ -178,3 +178,11 @@ class Ros2Environment:
 
 def joined(paths):
     return ":".join(map(str, paths))
+
+
+DISTRIBUTIONS = os.environ.get("ROS2_DISTRIBUTIONS", "jazzy").split()
+"""Distributions that are tested."""
+
+if __name__ == "__main__":
+    for name in DISTRIBUTIONS:
+        Ros2Environment(name)

@@ -9,13 +9,11 @@ from pathlib import Path
 
 import pytest
 from commands import run
-from ros2_environment import Ros2Environment
+from ros2_environment import DISTRIBUTIONS, Ros2Environment
 
 pytestmark = pytest.mark.slow
 
 CHECKS = Path(__file__).with_name("rclpy_checks.py")
-DISTRIBUTIONS = os.environ.get("ROS2_DISTRIBUTIONS", "jazzy").split()
-"""Each takes minutes when it is installed first."""
 
 
 @pytest.mark.skipif(sys.version_info[:2] != (3, 11), reason="the wheels are for Python 3.11")

@@ -6,13 +6,13 @@ import re
 import shutil
 import signal
 import subprocess
-import tempfile
 import urllib.request
 import xml.etree.ElementTree as ElementTree
 import zipfile
 from pathlib import Path
 
 import page_run
+import pip_environments
 import pytest
 from blocks import blocks_of, needs_of
 
@@ -158,9 +158,10 @@ def test_box2d_from_source_gives_the_same_bits_in_the_office(library, builder, t
     source = os.environ.get("FLATLAND_BOX2D_SOURCE")
     if not source:
         pytest.skip("FLATLAND_BOX2D_SOURCE names no folder with the source of Box2D 2.4.1")
+    pip_environments.copy_sources(tmp_path)
     wheel = builder.wheel(
+        tmp_path / "wheel",
         tmp_path,
-        "box2d_source",
         "cmake.define.FLATLAND_BOX2D=source",
         f"cmake.define.FETCHCONTENT_SOURCE_DIR_BOX2D={source}",
     )
@@ -213,88 +214,6 @@ def test_expressions_work_and_environments_name_their_extra(library, tmp_path):
 
 def test_the_command_tells_the_version_of_the_wheel(library, wheel):
     assert library.command("flatland", "--version") == f"flatland {wheel.name.split('-')[1]}\n"
-
-
-SWEEP = """
-worlds: [{name: discs, world: "package://flatland_gym/worlds/discs.yaml"}]
-controllers:
-  - {name: trained, policy: "package://flatland_gym/policies/discs.npz"}
-  - {name: direct, call: "direct.py:drive"}
-parameters: {/disc_radius: [0.2, 0.35]}
-seeds: 4
-start: random
-goal: random
-goal_distance: [2, 5]
-time_limit: 15
-"""
-DIRECT = """
-import os, signal
-
-def drive(run):
-    mark = os.path.join(os.path.dirname(__file__), "mark")
-    if run.seed == 1 and not os.path.exists(mark):
-        open(mark, "w").close()
-        os.kill(os.getpid(), signal.SIGKILL)
-    while run.is_running:
-        run.robot.command(0.6, 2.0 * run.bearing)
-        run.step()
-    return {"turns": 3, "is_near": run.distance < 1, "yaw": run.robot.pose.yaw}
-"""
-READ_SCHEMA = """
-import sys, pyarrow.parquet
-table = pyarrow.parquet.read_table(sys.argv[1])
-print(table.num_rows, *(f"{field.name}:{field.type}" for field in table.schema))
-"""
-
-
-def test_a_sweep_is_the_same_to_the_bit_in_processes_and_on_ray(library_with_ray, tmp_path):
-    """With a worker that is killed in its first attempt."""
-    (tmp_path / "scenarios.yaml").write_text(SWEEP)
-    (tmp_path / "direct.py").write_text(DIRECT)
-    folders = {}
-    for arguments in (["--jobs", "1"], ["--jobs", "2"], ["--jobs", "2", "--ray", "local"]):
-        folder = folders[arguments[-1]] = tmp_path / f"out_{arguments[-1]}"
-        (tmp_path / "mark").unlink(missing_ok=True)
-        # Ray's sockets need a short name.
-        with tempfile.TemporaryDirectory(prefix="ray_") as ray_folder:
-            output = library_with_ray.command(
-                "flatland",
-                "sweep",
-                tmp_path / "scenarios.yaml",
-                "--out",
-                folder,
-                *arguments,
-                RAY_TMPDIR=ray_folder,
-            )
-        assert "its worker was killed by SIGKILL; it is run again" in output
-
-    for name in ("results.parquet", "results.csv", "summary.csv", "report.html"):
-        contents = {folder.joinpath(name).read_bytes() for folder in folders.values()}
-        assert len(contents) == 1, name
-    count, *fields = library_with_ray.run(
-        "-c", READ_SCHEMA, folders["local"] / "results.parquet"
-    ).split()
-    assert count == "16"
-    assert {
-        "scenario:int64",
-        "world:string",
-        "/disc_radius:double",
-        "seed:int64",
-        "success:bool",
-        "path_length:double",
-        "is_near:bool",
-        "turns:int64",
-        "yaw:double",
-    } <= set(fields)
-
-
-def test_stable_baselines3_is_an_extra_that_learns(library_with_sb3):
-    tests = ROOT / "src" / "flatland_gym" / "test" / "test_sb3.py"
-    options = ("-q", "-x", "--noconftest", "-c", os.devnull, "-p", "no:cacheprovider")
-
-    output = library_with_sb3.run("-m", "pytest", *options, tests, OMP_NUM_THREADS=1)
-
-    assert re.search(r"^\d+ passed", output, re.MULTILINE), output
 
 
 # Requirements of pages and examples

@@ -57,7 +57,7 @@ class SeenWallsTest : public testing::TestWithParam<bool> {
 
 TEST_P(SeenWallsTest, DriveAndJump) {
   Pose pose = RandomPose();
-  for (int i = 0; i < Rounds(2000); ++i) {
+  for (int i = 0; i < Rounds(1000); ++i) {
     if (random_() % 16 == 0) {
       pose = RandomPose();
     } else {
@@ -69,7 +69,7 @@ TEST_P(SeenWallsTest, DriveAndJump) {
 }
 
 TEST_P(SeenWallsTest, OfOtherWallsOrNone) {
-  for (int i = 0; i < Rounds(600); ++i) {
+  for (int i = 0; i < Rounds(300); ++i) {
     const Pose pose = RandomPose();
     seen_.place = {pose.x, pose.y};
     seen_.count = static_cast<int>(random_() % (SeenWalls::kMost + 1));

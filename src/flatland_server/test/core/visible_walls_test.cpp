@@ -123,7 +123,7 @@ class VisibleWallsTest : public testing::TestWithParam<Floor> {
 };
 
 TEST_P(VisibleWallsTest, ScansOfABoxAreThoseOfAllWalls) {
-  for (int i = 0; i < Rounds(800); ++i) {
+  for (int i = 0; i < Rounds(300); ++i) {
     const Vec2 corner = RandomPlace();
     const double size = std::pow(10.0, 2.5 * RandomPart() - 2.5);
     const Box box{corner, corner + size * Vec2{RandomPart(), 1.0}};
@@ -149,7 +149,7 @@ TEST_P(VisibleWallsTest, MostWallsAreLeftOut) {
 TEST_P(VisibleWallsTest, AreKnownAfterSomeScansOfACell) {
   const VisibleWalls visible(walls_);
   int known = 0;
-  for (int i = 0; i < Rounds(300); ++i) {
+  for (int i = 0; i < Rounds(120); ++i) {
     const Vec2 place = RandomPlace();
     for (int k = 1; k < VisibleWalls::kScansBefore; ++k) visible.From(place);
     const WallList found = visible.From(place);

@@ -20,7 +20,7 @@ bounded = settings(
     derandomize=True,
     database=None,
     deadline=None,
-    max_examples=60,
+    max_examples=30,
     suppress_health_check=list(HealthCheck),
 )
 
@@ -297,7 +297,7 @@ def assert_loads_or_is_refused(files) -> None:
 
 
 @pytest.mark.slow
-@settings(bounded, max_examples=120)
+@settings(bounded, max_examples=40)
 @given(written=spoilt_worlds())
 def test_a_spoilt_world_loads_or_is_refused(files, written):
     write(files.folder, written["world"], written["model"])
@@ -306,7 +306,7 @@ def test_a_spoilt_world_loads_or_is_refused(files, written):
 
 
 @pytest.mark.slow
-@settings(bounded, max_examples=60)
+@settings(bounded, max_examples=40)
 @given(data=st.data())
 @pytest.mark.parametrize("name", ["world.yaml", "robot.model.yaml", "map.yaml", "lines.dat"])
 def test_a_garbled_file_loads_or_is_refused(good_files, name, data):

@@ -20,6 +20,7 @@ from waiting import wait_until
 
 BATCHES, BATCH = 80, 5  # of random messages to each protocol
 STORM = 4.0  # s
+PUBLISHED = 60  # messages to each topic of stalled readers
 LARGE = "x" * 900_000  # nearly the longest that a message may be
 MODEL = """
 bodies: [{name: b, footprints: [{type: circle, density: 1, radius: $eval
@@ -93,6 +94,7 @@ class Misdeeds:
         self._findings = findings
         self._what = what
         self._batches = round(share * BATCHES)
+        self._published = round(share * PUBLISHED)
         self._storm = share * STORM
 
     # Decoders
@@ -320,7 +322,7 @@ class Misdeeds:
             content = {"type": "std_msgs/String", "msg": {"data": LARGE}}
             advertised = [json.dumps({"op": "advertise", "topic": t, **content}) for t in topics]
             published = [json.dumps({"op": "publish", "topic": t, **content}) for t in topics]
-            self._flood([*advertised, *published * 60])
+            self._flood([*advertised, *published * self._published])
 
     # Parts of these
 

@@ -23,7 +23,7 @@ MOST_PEAK = 300.0
 """Memory of clients for a moment [MB]: eight at their limits, decoded."""
 SLACK = 8
 """Files and threads that each may have more than at its start: workers start when needed."""
-AT_START = 2.0
+AT_START = 1.0
 """Time for which files and threads are counted at first [s]: the node asks every 0.5 s."""
 MOST_KEPT = 150.0
 """Memory beyond that of the start after a misdeed [MB]: freed, but not given back."""

@@ -128,7 +128,9 @@ retries: {retries}
 """
 
 
-def disturb_sweeps(folder: Path, seed: int, kills: int, findings: Findings) -> None:
+def disturb_sweeps(
+    folder: Path, seed: int, kills: int, findings: Findings, count: int = 60
+) -> None:
     """Runs a sweep undisturbed, and again with kills, a damaged journal and bad controllers.
 
     Args:
@@ -136,11 +138,12 @@ def disturb_sweeps(folder: Path, seed: int, kills: int, findings: Findings) -> N
         seed: seed of the scenarios and of the disturbances.
         kills: number of times that processes are killed.
         findings: to which counts and violations are added.
+        count: number of seeds of each controller.
     """
     rng = random.Random(f"sweeps {seed}")
     what = f"sweep of seed {seed}"
     _write_files(folder)
-    _write_scenarios(folder, ["towards", "forks", "raises"], 10 * seed, 60, retries=100)
+    _write_scenarios(folder, ["towards", "forks", "raises"], 10 * seed, count, retries=100)
     once = _start(folder, "once", jobs=1)
     findings.expect(once.wait(LIMIT) == 1, f"{what}: ended with {once.returncode}")
 
@@ -148,7 +151,7 @@ def disturb_sweeps(folder: Path, seed: int, kills: int, findings: Findings) -> N
     _finish(folder, f"{what}, after kills", findings)
     _damage_journals(folder / "out" / JOURNAL, rng, what, findings)
     _finish(folder, f"{what}, with a damaged journal", findings)
-    _write_scenarios(folder, ["towards", "misbehaves"], 10 * seed, 30, retries=0)
+    _write_scenarios(folder, ["towards", "misbehaves"], 10 * seed, count // 2, retries=0)
     process = _start(folder, "bad", jobs=2)
     findings.expect(process.wait(LIMIT) == 1, f"{what}, bad: ended with {process.returncode}")
     _expect_no_process(folder, f"{what}, with bad controllers", findings)

@@ -15,7 +15,7 @@ from soak.soak import Soak
 from soak.usage import Usage
 
 SEED = 1
-FILES, STEPS, STATES, RECORDINGS = 500, 300, 150, 6
+FILES, STEPS, STATES, RECORDINGS = 250, 300, 75, 4
 
 
 @pytest.fixture

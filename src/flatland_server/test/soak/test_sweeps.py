@@ -5,7 +5,7 @@ from soak.findings import Findings
 from soak.random_sweeps import disturb_sweeps, read_random_scenario_files
 
 SEED = 1
-KILLS, FILES = 5, 200
+KILLS, COUNT, FILES = 3, 20, 100
 
 pytestmark = pytest.mark.slow
 
@@ -13,7 +13,7 @@ pytestmark = pytest.mark.slow
 def test_the_tables_of_a_disturbed_sweep_are_those_of_another(tmp_path):
     findings = Findings()
 
-    disturb_sweeps(tmp_path / "sweep", SEED, KILLS, findings)
+    disturb_sweeps(tmp_path / "sweep", SEED, KILLS, findings, COUNT)
 
     assert findings.violations == []
     assert findings.counts["kills in sweeps"] > 0

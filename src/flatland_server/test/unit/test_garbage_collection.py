@@ -27,7 +27,7 @@ def frozen_office() -> Iterator[World]:
     world.close()
     del world
     gc.collect()
-    gc.freeze()  # excludes the collected tests again, as src/conftest.py does
+    gc.freeze()  # excludes the collected tests again, as the conftest.py at the top does
 
 
 def test_a_collection_does_not_traverse_what_was_loaded(frozen_office):

@@ -8,8 +8,8 @@
 namespace flatland {
 namespace {
 
-constexpr double kGravity = 9.80665;  // standard [m/s^2]
-constexpr double kMost = 1e9;         // see IsUsable
+constexpr double kStandardGravity = 9.80665;  // [m/s^2]
+constexpr double kMost = 1e9;                 // see IsUsable
 
 /// Moment of inertia about the centre of mass [kg m^2].
 float CentralInertia(const b2Body& body) {
@@ -48,7 +48,7 @@ void Grip::Begin(b2Body& body, double mass_on_wheels, b2Vec2 velocity, float ome
   if (torque == 0.0) torque = force * radius;
   slips_ = spins_ = false;
   if (friction > 0.0) {
-    const double most = friction * mass_on_wheels * kGravity;
+    const double most = friction * mass_on_wheels * kStandardGravity;
     slips_ = most <= force;
     spins_ = most * radius <= torque;
     force = std::min(force, most);

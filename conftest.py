@@ -5,12 +5,14 @@ and a folder for ROS's logs.
 """
 
 import contextlib
+import functools
 import gc
 import itertools
 import os
 import re
 import signal
 import subprocess
+import sys
 import time
 import xmlrpc.client
 from pathlib import Path
@@ -20,7 +22,7 @@ from ros_processes import free_port
 from running_server import Master, Server
 from x_server import x_server
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parent
 
 
 def pytest_configure(config):
@@ -54,11 +56,40 @@ threading.Thread(target=tell, args=(channel.receive(), is_busy), daemon=True).st
 """
 
 
-def pytest_collection_finish():
-    """Excludes the thousands of collected tests from garbage collection."""
+MADE_FIRST = {
+    "test_core.py": ("flatland_server/test/test_core.py",),
+    "test_pip.py": ("flatland2d/test/pip/pip_environments.py", "library"),
+    "test_pip_extras.py": ("flatland2d/test/pip/pip_environments.py", "with_ray", "with_sb3"),
+    "test_ros2.py": ("flatland_bridge/test/ros2_environment.py",),
+}
+"""By test files: programs that compile or install what these need, below src/."""
+
+
+def pytest_collection_finish(session):
+    """Excludes the thousands of collected tests from garbage collection; starts `MADE_FIRST`.
+
+    One process does for all: it makes in the background what tests have to wait for otherwise. If
+    that fails, the tests say so: they make what is not there.
+    """
     gc.collect()
     gc.freeze()
     gc.enable()
+    if os.environ.get("PYTEST_XDIST_WORKER", "gw0") != "gw0" or session.config.option.collectonly:
+        return
+    paths = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    for name in {item.path.name for item in session.items} & MADE_FIRST.keys():
+        program, *arguments = MADE_FIRST[name]
+        command = ["nice", "-n", "5", sys.executable, str(ROOT / "src" / program), *arguments]
+        making = subprocess.Popen(command, env=paths, start_new_session=True, **quiet)
+        session.config.add_cleanup(functools.partial(end_group, making))
+
+
+def end_group(process):
+    """Ends a process that leads a group, and all in it."""
+    if process.poll() is None:
+        os.killpg(process.pid, signal.SIGTERM)
+        process.wait()
 
 
 FOLDERS = itertools.count()
@@ -73,20 +104,24 @@ def tmp_path(request, tmp_path_factory):
 
 
 LONGEST = (
-    *("test_core.py", "test_pip.py"),  # compile, in a fresh clone
-    *("test_rostests.py", "test_gui_viewers.py", "test_launch.py"),
+    *("test_gui_viewers.py", "test_gui_window.py", "test_rostests.py", "test_tutorials.py"),
+    *("test_bridge_soak.py", "test_pages.py", "test_outages.py", "test_bridge_node.py"),
+    *("test_in_process.py", "test_examples.py", "test_launch.py", "test_gui_scene.py"),
+    *("test_example_package.py", "test_running_server.py", "test_sweeps.py", "test_contract.py"),
 )
-"""The files that take longest."""
+"""The files that take longest; the first begin first."""
 
 
 def pytest_collection_modifyitems(items):
-    """Puts the longest tests first, so that all processes end at about the same time."""
+    """Puts the longest tests first, so that all processes end at about the same time.
+
+    Those of `MADE_FIRST` wait until the end of the slow ones for what is made meanwhile.
+    """
 
     def order(item):
-        is_quick = item.get_closest_marker("slow") is None
-        return is_quick, LONGEST.index(item.path.name) if item.path.name in LONGEST else len(
-            LONGEST
-        )
+        name, is_quick = item.path.name, item.get_closest_marker("slow") is None
+        place = LONGEST.index(name) if name in LONGEST else len(LONGEST)
+        return is_quick, name in MADE_FIRST, place
 
     items.sort(key=order)
 
