@@ -111,11 +111,15 @@ void WorldBatch::Prefetch(int row, int distance) const {
   for (int i = 0; i < robot_count(); ++i) {
     const SeenWalls& seen = seen_[int64_t{row} * robot_count() + i];
     if (distance == 3) PrefetchBytes(&seen, offsetof(SeenWalls, walls));
-    if (distance == 2 && seen.cell != nullptr) PrefetchBytes(seen.cell, 1);
-    if (distance != 1) continue;
+    if (distance > 2 || seen.segments == nullptr) continue;
     const WallList next =
         seen.known.indices != nullptr ? seen.known : WallList{seen.walls, size_t(seen.count)};
-    PrefetchBytes(next.indices, next.count * sizeof(uint32_t));
+    if (distance == 2) {
+      if (seen.cell != nullptr) PrefetchBytes(seen.cell, 1);
+      PrefetchBytes(next.indices, next.count * sizeof(uint32_t));
+      continue;
+    }
+    for (size_t k = 0; k < next.count; ++k) PrefetchBytes(&seen.segments[next.indices[k]], 1);
   }
 }
 
@@ -255,7 +259,9 @@ void WorldBatch::LoadStates(const bool* mask, const std::vector<std::string_view
     of[row] = &found->second;
   }
   for (int row = 0; row < count(); ++row) {
-    if (others[row] != nullptr) environments_[row].state = std::move(others[row]);
+    if (others[row] == nullptr) continue;
+    environments_[row].state = std::move(others[row]);
+    std::fill_n(seen_.begin() + int64_t{row} * robot_count(), robot_count(), SeenWalls{});
   }
   ForEach(mask, 1, [&](World& world, Environment& environment, int row) {
     of[row]->state.Restore(world);

@@ -162,6 +162,7 @@ void Lidars::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& s
     const WallList visible = layer->visible().From({pose.x, pose.y}, cell);
     if (last != nullptr) {
       last->known = visible;
+      last->segments = walls.segments().data();
       last->cell = cell;
     }
     if (visible.indices != nullptr) {

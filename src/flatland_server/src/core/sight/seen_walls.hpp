@@ -16,10 +16,11 @@ struct SeenWalls {
 
   Vec2 place;     ///< of the lidar, in the world [m]
   int count = 0;  ///< 0 if nothing is known
-  // Only to be fetched in time: they may be gone.
-  WallList known;              ///< those known to be visible from its cell of the floor
-  const void* cell = nullptr;  ///< that cell
-  uint32_t walls[kMost];       ///< indices, each of them once
+  // Only to be fetched in time.
+  WallList known;                     ///< those known to be visible from its cell of the floor
+  const Segment* segments = nullptr;  ///< of all walls
+  const void* cell = nullptr;         ///< that cell
+  uint32_t walls[kMost];              ///< indices, each of them once
 };
 
 }  // namespace flatland
