@@ -107,7 +107,8 @@ void WorldBatch::ForEach(const bool* mask, int width, Visit visit) {
 }
 
 void WorldBatch::Prefetch(int row, int distance) const {
-  SharedWorld::Prefetch(*environments_[row].state, distance);
+  SharedState& state = *environments_[row].state;
+  SharedWorld::Prefetch(state, distance);
   for (int i = 0; i < robot_count(); ++i) {
     const SeenWalls& seen = seen_[int64_t{row} * robot_count() + i];
     if (distance == 3) PrefetchBytes(&seen, offsetof(SeenWalls, walls));
@@ -119,6 +120,7 @@ void WorldBatch::Prefetch(int row, int distance) const {
       PrefetchBytes(next.indices, next.count * sizeof(uint32_t));
       continue;
     }
+    if (state.walls() == nullptr) continue;  // the walls of all environments stay in the cache
     for (size_t k = 0; k < next.count; ++k) PrefetchBytes(&seen.segments[next.indices[k]], 1);
   }
 }
