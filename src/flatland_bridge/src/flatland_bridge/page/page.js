@@ -28,6 +28,7 @@ const driving = new Driving(
 );
 let poses = new Poses(), services = new Set(), odometry = null;  // odometry: the topic for the trail
 let state = {paused: false, time: 0, begin: 0, end: 0};
+let isScanMissed = false;  // whether scans were chosen, which may not come while time stands still
 let sought = null, isSeeking = false;  // a time to seek; whether a call does it
 let isSpawning = false, drag = null, isDirty = true;
 let followed = new URLSearchParams(location.search).get("follow");  // once it is there
@@ -204,6 +205,14 @@ function setState({paused, stamp, rate, real_time_factor: factor, history_begin,
   if (hasPast && !isSeeking && document.activeElement !== slider) {
     Object.assign(slider, {min: state.begin, max: state.end, value: state.time});
   }
+  measure();
+}
+
+/** While time stands still, sensors measure when it is sought: after the first state that tells the past. */
+function measure() {
+  if (state.end <= state.begin) return;
+  if (isScanMissed && state.paused) seek(state.time);
+  isScanMissed = false;
 }
 
 /** rate: null if it is infinite, as JSON has it. */
@@ -342,7 +351,8 @@ get("follow").onchange = () => follow(get("follow").checked);
 for (const id of ["names", "trail"]) get(id).onchange = show;
 get("scans").onchange = () => {
   show();
-  if (state.paused && get("scans").checked) seek(state.time);  // sensors measure at each time that is sought
+  isScanMissed = get("scans").checked;
+  measure();
 };
 get("slider").oninput = () => seek(Number(get("slider").value));
 get("slider").onchange = () => get("view").focus();
