@@ -1,7 +1,7 @@
 """The library's wheel, and virtual environments without ROS in which pip has installed it.
 
 They are kept in build/test/pip. The wheel is built when a source has changed: of a copy of the
-sources, whose build folder lies as catkin's does, with catkin's options, so that ccache has
+sources, with a build folder that lies as catkin's does and catkin's options, so that ccache has
 compiled the core before. An environment has the packages of PyPI that the wheel asks for.
 """
 

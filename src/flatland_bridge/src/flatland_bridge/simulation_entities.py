@@ -7,7 +7,7 @@ from typing import Any, Dict, List, Tuple
 
 from flatland_bridge import simulation_types
 from flatland_bridge.simulation_results import Calls, Failure, Result, path_of, with_result
-from flatland_server.config import namespace_problem, topic_name_problem
+from flatland_server.config import LARGEST, namespace_problem, topic_name_problem
 from flatland_server.exceptions import ModelError, YamlError, shortened
 from flatland_server.geometry import Pose
 from flatland_server.hub import FRAME_ID, Action, Hub, told
@@ -25,8 +25,6 @@ _BAD_POSE = simulation_types.service("SetEntityState").response.INVALID_POSE
 
 _MOST_REPETITIONS = 3
 """Of a filter's pattern: with more, some take a long time to search."""
-_FASTEST = 1e9
-"""Greatest velocity of a body [m/s or rad/s]."""
 _WORLD_FRAMES = ("", "world", FRAME_ID)
 
 
@@ -202,8 +200,8 @@ def _require_possible(model: Model, speed: float, turn: float) -> None:
         raise Failure(Result.RESULT_OPERATION_FAILED, "a static body does not move")
     x, y, _ = model.base.physics_body.pose
     reach = max(math.hypot(body.pose[0] - x, body.pose[1] - y) for body in model.physics_bodies)
-    if not (abs(turn) <= _FASTEST and speed + abs(turn) * reach <= _FASTEST):  # or NaN
-        text = f"expected a twist of up to {_FASTEST:g} m/s and rad/s"
+    if not (abs(turn) <= LARGEST and speed + abs(turn) * reach <= LARGEST):  # or NaN
+        text = f"expected a twist of up to {LARGEST:g} m/s and rad/s"
         raise Failure(Result.RESULT_OPERATION_FAILED, text)
 
 

@@ -9,10 +9,9 @@ import yaml
 
 from flatland2d.cli.completion import FILES
 from flatland2d.simulation import Simulation
+from flatland_server.config import LARGEST
 
-_LARGEST = 1e9
-"""The greatest number of an argument, as in files."""
-_AT_MOST = f"{_LARGEST:g} at most"
+_AT_MOST = f"{LARGEST:g} at most"
 
 Subparsers = Any
 """The result of argparse's `add_subparsers`; its class has no public name."""
@@ -88,13 +87,13 @@ def open_simulation(options: argparse.Namespace, **more: Any) -> Simulation:
 
 def positive(text: str) -> float:
     """A number above zero, up to 1e9."""
-    return _number(text, lambda value: 0.0 < value <= _LARGEST, f"a number above 0, {_AT_MOST}")
+    return _number(text, lambda value: 0.0 < value <= LARGEST, f"a number above 0, {_AT_MOST}")
 
 
 def not_negative(text: str) -> float:
     """A number of zero or more, up to 1e9."""
     return _number(
-        text, lambda value: 0.0 <= value <= _LARGEST, f"a number of 0 or more, {_AT_MOST}"
+        text, lambda value: 0.0 <= value <= LARGEST, f"a number of 0 or more, {_AT_MOST}"
     )
 
 

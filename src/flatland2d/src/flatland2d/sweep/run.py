@@ -14,14 +14,12 @@ from flatland2d.touch import Touch
 from flatland_navigation.score import GoalScore, spl
 from flatland_server import _core
 from flatland_server.arguments import steps_in
+from flatland_server.config import LARGEST
 from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point, Pose, wrap_angle
 
 OTHER_COLUMNS = ("status", "error", "scenarios", "failed")
 """The columns of rows and of the summary that are no metrics and do not belong to a scenario."""
-
-_FARTHEST = 1e9
-"""The greatest coordinate of an estimate [m]."""
 
 ESTIMATE_ENDS = ("_low", "_high", "_count")
 """The ends of the names of columns beside that of a rate or mean."""
@@ -252,8 +250,8 @@ class SweepRun:
         Raises:
             UsageError: a number is not finite, or farther than 1e9 m.
         """
-        if not all(abs(each) <= _FARTHEST for each in (x, y)):  # or NaN
-            raise UsageError(f"expected an estimate within {_FARTHEST:g} m, found ({x:g}, {y:g})")
+        if not all(abs(each) <= LARGEST for each in (x, y)):  # or NaN
+            raise UsageError(f"expected an estimate within {LARGEST:g} m, found ({x:g}, {y:g})")
         self._score.add_error(math.dist(self.robot.pose[:2], (x, y)))
 
     def end(self) -> None:

@@ -15,8 +15,10 @@ from flatland_server.config.ros_names import is_topic, namespace_problem, topic_
 from flatland_server.config.worlds import SCENE_GOALS, find_world, shipped_worlds
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
+from flatland_server.config.yaml_values import LARGEST
 
 __all__ = [
+    "LARGEST",
     "MAX_IMAGE",
     "MAX_YAML",
     "MIB",
