@@ -263,7 +263,7 @@ void WorldBatch::LoadStates(const bool* mask, const std::vector<std::string_view
   for (int row = 0; row < count(); ++row) {
     if (others[row] == nullptr) continue;
     environments_[row].state = std::move(others[row]);
-    std::fill_n(seen_.begin() + int64_t{row} * robot_count(), robot_count(), SeenWalls{});
+    ForgetScans(row);
   }
   ForEach(mask, 1, [&](World& world, Environment& environment, int row) {
     of[row]->state.Restore(world);
@@ -306,7 +306,11 @@ void WorldBatch::Begin(int row, Environment environment) {
   environments_[row] = std::move(environment);
   const int64_t first = int64_t{row} * robot_count();
   std::fill_n(collided_.begin() + first, robot_count(), false);
-  std::fill_n(seen_.begin() + first, robot_count(), SeenWalls{});
+  ForgetScans(row);
+}
+
+void WorldBatch::ForgetScans(int row) {
+  std::fill_n(seen_.begin() + int64_t{row} * robot_count(), robot_count(), SeenWalls{});
 }
 
 void WorldBatch::Seed(const bool* mask, const Random& random, const uint64_t* keys) {

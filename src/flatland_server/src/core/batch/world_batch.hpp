@@ -155,6 +155,8 @@ class WorldBatch {
 
   /// Replaces an environment, and forgets the collisions and scans of the former one.
   void Begin(int row, Environment environment);
+  /// Forgets what was seen of walls that may be gone now.
+  void ForgetScans(int row);
   /// Calls `visit(world, environment, row)`, with the world in the environment's state, for each
   /// environment with a true among its `width` values of `mask` (null: all). Works on all threads;
   /// each has a world and some of the environments.
