@@ -14,7 +14,6 @@
 
 #include "base/geometry.hpp"
 #include "sight/segment_tree.hpp"
-#include "sight/wall_list.hpp"
 
 namespace flatland {
 
