@@ -110,13 +110,13 @@ class VisibleWallsTest : public testing::TestWithParam<Floor> {
     return ranges;
   }
   /// A scan of these walls alone is the scan of all, to the last bit.
-  void ExpectTheSame(WallList only, Vec2 place) {
+  void ExpectTheSame(WallList only, Vec2 place, double range = 100.0) {
     const BeamFan fan(RandomPart(), 2.0 * M_PI / 720, 720);
     const Pose pose{place.x, place.y, 6.0 * RandomPart()};
     DepthBuffer some, all;
-    some.Begin(fan, 100.0);
+    some.Begin(fan, range);
     some.Draw(tree_, only, pose);
-    all.Begin(fan, 100.0);
+    all.Begin(fan, range);
     all.Draw(tree_, pose);
     ASSERT_EQ(Ranges(some, fan), Ranges(all, fan)) << place.x << ", " << place.y;
   }
@@ -149,18 +149,27 @@ TEST_P(VisibleWallsTest, MostWallsAreLeftOut) {
 TEST_P(VisibleWallsTest, AreKnownAfterSomeScansOfACell) {
   const VisibleWalls visible(walls_);
   int known = 0;
+  size_t left_out = 0;
   for (int i = 0; i < Rounds(120); ++i) {
     const Vec2 place = RandomPlace();
-    for (int k = 1; k < VisibleWalls::kScansBefore; ++k) visible.From(place);
-    const WallList found = visible.From(place);
+    const void* cell = nullptr;
+    for (int k = 1; k < VisibleWalls::kScansBefore; ++k) visible.From(place, 100.0, cell);
+    const WallList found = visible.From(place, 100.0, cell);
     if (found.indices == nullptr) continue;
     ++known;
-    ASSERT_EQ(visible.From(place).indices, found.indices);
     ASSERT_NO_FATAL_FAILURE(ExpectTheSame(found, place));
+    for (const double range : {0.3, 2.0, 3.0, 20.0 * RandomPart()}) {
+      const WallList near = visible.From(place, range, cell);
+      ASSERT_EQ(near.indices, found.indices);
+      ASSERT_NO_FATAL_FAILURE(ExpectTheSame(near, place, range));
+      left_out += found.count - near.count;
+    }
   }
   EXPECT_GT(known, 0);
-  EXPECT_EQ(visible.From({1e9, -1e9}).indices, nullptr);
-  EXPECT_EQ(visible.From({NAN, 5.1}).indices, nullptr);
+  EXPECT_GT(left_out, 0) << "walls beyond the range";
+  const void* cell;
+  EXPECT_EQ(visible.From({1e9, -1e9}, 100.0, cell).indices, nullptr);
+  EXPECT_EQ(visible.From({NAN, 5.1}, 100.0, cell).indices, nullptr);
 }
 
 INSTANTIATE_TEST_SUITE_P(Walls, VisibleWallsTest,
@@ -204,14 +213,16 @@ TEST(VisibleWalls, AreNotSearchedForAmongManySpecks) {
   }
   EXPECT_FALSE(WallsSeenFrom(SegmentTree(walls), Corners(walls), {{10, 10}, {10.5, 10.5}}));
   const VisibleWalls visible(walls);
+  const void* cell;
   for (int i = 0; i <= VisibleWalls::kScansBefore; ++i) {
-    EXPECT_EQ(visible.From({10.2, 10.2}).indices, nullptr);
+    EXPECT_EQ(visible.From({10.2, 10.2}, 100.0, cell).indices, nullptr);
   }
 }
 
 TEST(VisibleWalls, OfNoWalls) {
   EXPECT_TRUE(WallsSeenFrom(SegmentTree({}), Corners({}), {{0, 0}, {1, 1}})->empty());
-  EXPECT_EQ(VisibleWalls({}).From({0, 0}).indices, nullptr);
+  const void* cell;
+  EXPECT_EQ(VisibleWalls({}).From({0, 0}, 100.0, cell).indices, nullptr);
 }
 
 }  // namespace

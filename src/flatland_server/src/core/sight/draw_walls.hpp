@@ -8,7 +8,6 @@
 #include "base/geometry.hpp"
 #include "sight/beam_fan.hpp"
 #include "sight/doubles.hpp"
-#include "sight/extent.hpp"
 
 namespace flatland {
 
@@ -18,6 +17,14 @@ constexpr double kEndTolerance = 1e-9;
 /// A wall is seen edge-on if the directions of its ends differ by less than this, or by less than
 /// this from 180 degrees [rad]: its distance would be a quotient of two rounding errors.
 constexpr double kEdgeOn = 1e-14;
+
+/// The buffer, and the pose from which it is drawn.
+struct LidarView {
+  const BeamFan& fan;
+  double* inverse;
+  Vec2 origin;
+  Rotation rotation;
+};
 
 /// Walls that are drawn together.
 constexpr int kBlock = 8;
@@ -72,6 +79,16 @@ struct WallsView {
   int from[kBlock], to[kBlock];
   long long wraps[kBlock];
 };
+
+/// Diamond angles moved clockwise, and counter-clockwise, by the margin of BeamFan, within [-2, 2].
+FLATLAND_INLINE Doubles WidenRight(const Doubles& diamond_angles) {
+  const Doubles widened = diamond_angles - BeamFan::kMargin;
+  return widened < -2.0 ? widened + 4.0 : widened;
+}
+FLATLAND_INLINE Doubles WidenLeft(const Doubles& diamond_angles) {
+  const Doubles widened = diamond_angles + BeamFan::kMargin;
+  return widened > 2.0 ? widened - 4.0 : widened;
+}
 
 /// Computes four walls, for the places from `lane` on.
 FLATLAND_INLINE void ViewWalls(const FourWalls& four, int lane, const LidarView& view,

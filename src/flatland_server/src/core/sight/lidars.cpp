@@ -159,7 +159,7 @@ void Lidars::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& s
     const SegmentTree& walls = layer->walls();
     SeenWalls* const last = walls.segment_count() == most ? seen : nullptr;
     const void* cell = nullptr;
-    const WallList visible = layer->visible().From({pose.x, pose.y}, cell);
+    const WallList visible = layer->visible().From({pose.x, pose.y}, settings.range, cell);
     if (last != nullptr) {
       last->known = visible;
       last->segments = walls.segments().data();

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "base/geometry.hpp"
-#include "sight/wall_list.hpp"
+#include "sight/segment_tree.hpp"
 
 namespace flatland {
 

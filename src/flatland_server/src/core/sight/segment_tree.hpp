@@ -3,7 +3,7 @@
 /// A search tree over the static walls of a layer, for lidars.
 ///
 /// A tree of bounding boxes with eight children a node and eight walls a leaf, so that all of a
-/// node or leaf are looked at together (tree_view.hpp). It is built once, by halving the walls
+/// node or leaf are looked at together (tree_search.hpp). It is built once, by halving the walls
 /// across one axis or the other, whichever makes the smaller boxes, at multiples of eight, 64, 512
 /// ... walls. So all leaves but the last are full, and numbers alone tell what belongs to what:
 /// child k of node i is number 8 i + k of the level below. DepthBuffer searches it.
@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <utility>
@@ -22,6 +23,12 @@
 #include "base/geometry.hpp"
 
 namespace flatland {
+
+/// Indices of walls that belong to something else.
+struct WallList {
+  const uint32_t* indices = nullptr;
+  size_t count = 0;
+};
 
 /// An axis-aligned bounding box [m]. Initially empty, with low above high.
 struct Box {

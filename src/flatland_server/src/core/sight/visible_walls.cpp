@@ -20,6 +20,8 @@ constexpr double kMaxCells = 262'144;
 constexpr size_t kMinWalls = 64;
 /// Most indices kept for all cells together, of 4 bytes each.
 constexpr size_t kMaxFound = 4'000'000;
+/// A margin for rounding errors of distances.
+constexpr double kLarger = 1.0 + 1e-6;
 
 /// A hash of the first walls. If hashes are equal, all walls are compared.
 size_t HashOf(const std::vector<Segment>& segments) {
@@ -82,31 +84,48 @@ VisibleWalls::~VisibleWalls() {
   for (int i = 0; i < columns_ * rows_; ++i) delete[] cells_[i].walls.load();
 }
 
-WallList VisibleWalls::From(Vec2 point, const void*& address) const {
+WallList VisibleWalls::From(Vec2 point, double range, const void*& address) const {
   if (cells_ == nullptr) return {};
   const double column = std::floor((point.x - origin_.x) / cell_size_);
   const double row = std::floor((point.y - origin_.y) / cell_size_);
   if (!(column >= 0.0 && column < columns_ && row >= 0.0 && row < rows_)) return {};
   Cell& cell = cells_[static_cast<int>(row) * columns_ + static_cast<int>(column)];
   address = &cell;
-  const uint32_t* const walls = cell.walls.load(std::memory_order_acquire);
-  if (walls != nullptr) return {walls, cell.count};
-  if (cell.scans.load(std::memory_order_relaxed) >= kScansBefore) return {};
-  if (cell.scans.fetch_add(1, std::memory_order_relaxed) + 1 != kScansBefore) return {};
-  return Find(cell, {origin_ + cell_size_ * Vec2{column, row},
-                     origin_ + cell_size_ * Vec2{column + 1.0, row + 1.0}});
+  const uint32_t* walls = cell.walls.load(std::memory_order_acquire);
+  if (walls == nullptr) {
+    if (cell.scans.load(std::memory_order_relaxed) >= kScansBefore) return {};
+    if (cell.scans.fetch_add(1, std::memory_order_relaxed) + 1 != kScansBefore) return {};
+    Find(cell, {origin_ + cell_size_ * Vec2{column, row},
+                origin_ + cell_size_ * Vec2{column + 1.0, row + 1.0}});
+    walls = cell.walls.load(std::memory_order_relaxed);
+    if (walls == nullptr) return {};
+  }
+  return {walls,
+          cell.within[std::lower_bound(kRanges.begin(), kRanges.end(), range) - kRanges.begin()]};
 }
 
 /// Called by only one thread for a cell.
-WallList VisibleWalls::Find(Cell& cell, const Box& box) const {
+void VisibleWalls::Find(Cell& cell, const Box& box) const {
   const std::optional<std::vector<uint32_t>> walls = WallsSeenFrom(all_, *corners_, box);
-  if (!walls || walls->size() > all_.segment_count() / 2) return {};  // the tree is as fast
-  if (found_.fetch_add(walls->size()) + walls->size() > kMaxFound) return {};
-  auto* const found = new uint32_t[walls->size()];
-  std::copy(walls->begin(), walls->end(), found);
-  cell.count = static_cast<uint32_t>(walls->size());
+  constexpr size_t kMost = std::numeric_limits<Cell::Counts::value_type>::max();
+  // With half of the walls, the tree is as fast.
+  if (!walls || walls->size() > std::min(all_.segment_count() / 2, kMost)) return;
+  if (found_.fetch_add(walls->size()) + walls->size() > kMaxFound) return;
+  std::vector<std::pair<double, uint32_t>> sorted;  // by a lower bound of their distance
+  for (const uint32_t wall : *walls) {
+    Box bounds;
+    bounds.Add(all_.segments()[wall]);
+    sorted.emplace_back(box.Distance(bounds), wall);
+  }
+  std::sort(sorted.begin(), sorted.end());
+  for (size_t i = 0; i < kRanges.size(); ++i) {
+    const auto is_within = [&](const auto& each) { return each.first <= kLarger * kRanges[i]; };
+    const auto end = std::partition_point(sorted.begin(), sorted.end(), is_within);
+    cell.within[i] = static_cast<uint16_t>(end - sorted.begin());
+  }
+  auto* const found = new uint32_t[sorted.size()];
+  std::transform(sorted.begin(), sorted.end(), found, [](const auto& each) { return each.second; });
   cell.walls.store(found, std::memory_order_release);
-  return {found, cell.count};
 }
 
 }  // namespace flatland

@@ -7,14 +7,15 @@
 /// if it is proven that it is hidden from the whole cell (walls_seen_from.cpp), so a scan is the
 /// same with these walls as with all.
 
+#include <array>
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
 #include "base/geometry.hpp"
 #include "sight/segment_tree.hpp"
-#include "sight/wall_list.hpp"
 
 namespace flatland {
 
@@ -32,28 +33,29 @@ class VisibleWalls {
                                                    const SegmentTree::Progress& progress = {});
 
   const SegmentTree& all() const { return all_; }
-  /// Indices of walls that include all those that a lidar at a point can see, or no list
-  /// (null) if these are not known yet. Valid as long as this object. Several threads may call it
-  /// at a time.
-  WallList From(Vec2 point) const {
-    const void* cell;
-    return From(point, cell);
-  }
-  /// The same. Writes the address of what it looks up, for a later call from near there.
-  WallList From(Vec2 point, const void*& cell) const;
+  /// Indices of walls that include all those that a lidar of a range [m] can see from a point, or
+  /// no list (null) if these are not known yet. Valid as long as this object. Writes the address of
+  /// what it looks up, for a later call from near there. Several threads may call it at a time.
+  WallList From(Vec2 point, double range, const void*& cell) const;
 
   /// Number of scans from a cell before its walls are found. Finding them takes as long as these
   /// scans.
   static constexpr int kScansBefore = 48;
 
  private:
+  /// Ranges of lidars [m].
+  static constexpr std::array<double, 8> kRanges{
+      2.0, 3.5, 5.0, 8.0, 10.0, 15.0, 20.0, std::numeric_limits<double>::infinity()};
   struct Cell {
+    /// The number of walls that a lidar of each range, or less, can see.
+    using Counts = std::array<uint16_t, kRanges.size()>;
+
     std::atomic<int> scans{0};
-    uint32_t count = 0;                           // of the walls
-    std::atomic<const uint32_t*> walls{nullptr};  // null before they and their count are known
+    Counts within{};
+    std::atomic<const uint32_t*> walls{nullptr};  // the nearest first; null before all is known
   };
 
-  WallList Find(Cell& cell, const Box& box) const;
+  void Find(Cell& cell, const Box& box) const;
 
   SegmentTree all_;
   std::unique_ptr<const Corners> corners_;

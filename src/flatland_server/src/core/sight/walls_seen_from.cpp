@@ -100,7 +100,7 @@ class Finder {
     lists_.MakeRoomFor(walls);
     horizon_.Begin(kBuckets);
     inverse_.assign(kBuckets, 0.0);
-    chain_of_.assign(walls.segment_count(), kNone);
+    states_.assign(walls.segment_count(), State::kUnknown);
     chains_.clear();
     vertices_.clear();
     comparisons_ = 0;
@@ -110,7 +110,7 @@ class Finder {
       found.clear();
       Search(from, to, found);
       for (const uint32_t wall : found) {
-        if (chain_of_[wall] == kNone && !IsHidden(wall)) DrawChainOf(wall);
+        if (states_[wall] == State::kUnknown && !IsHidden(wall)) DrawChainOf(wall);
         if (comparisons_ > kMostComparisons) return std::nullopt;
       }
     }
@@ -139,15 +139,15 @@ class Finder {
   /// The vertices of a chain from right to left, by their numbers.
   struct Chain {
     size_t begin, end;
-    double nearest;  // radius of a vertex [m]
+    double from, to;  // their places, with a margin; from 0 to kBuckets on
+    double nearest;   // radius of a vertex [m]
   };
   /// One side of a chain.
   struct Trail {
     std::vector<Sample> samples;
     std::vector<Vertex> vertices;
   };
-  /// Values of chain_of_ for a wall in no chain, and for a hidden one.
-  static constexpr int kNone = -1, kHidden = -2;
+  enum class State : char { kUnknown, kInChain, kHidden };
 
   static const Buckets& buckets() {
     static const Buckets buckets;
@@ -229,7 +229,7 @@ class Finder {
       if (leads_on) {
         farthest = place;
         trail.vertices.push_back({place, to, std::exchange(back_to_vertex, 0.0)});
-        for (const uint32_t each : detour_) chain_of_[each] = static_cast<int>(chains_.size());
+        for (const uint32_t each : detour_) states_[each] = State::kInChain;
         detour_.clear();
       }
     } while (detour_.size() <= kMaxDetour && std::abs(place - farthest) < kBuckets / 4 &&
@@ -239,7 +239,7 @@ class Finder {
     uint32_t left = Corners::EndOf(wall), right = Corners::OtherEnd(left);
     if (!IsOutside(PointOf(left), PointOf(right))) return;
     if (Cross(PointOf(left), PointOf(right)) > 0.0) std::swap(left, right);
-    chain_of_[wall] = static_cast<int>(chains_.size());
+    states_[wall] = State::kInChain;
     const int first = static_cast<int>(std::ceil(Buckets::Of(PointOf(right))));
     Trace(left, 1.0, first, left_);
     right_.samples.clear();
@@ -268,10 +268,14 @@ class Finder {
     }
     left_.vertices[0].back = back;
     vertices_.insert(vertices_.end(), left_.vertices.begin(), left_.vertices.end());
+    if (vertices_.size() < begin + 2) return;  // edge-on
+    const double turned = std::floor((vertices_[begin].place - kLeastTurn) / kBuckets) * kBuckets;
     for (size_t i = begin; i < vertices_.size(); ++i) {
+      vertices_[i].place -= turned;
       nearest = std::min(nearest, Length(vertices_[i].point));
     }
-    chains_.push_back({begin, vertices_.size(), nearest});
+    chains_.push_back({begin, vertices_.size(), vertices_[begin].place - kLeastTurn,
+                       vertices_.back().place + kLeastTurn, nearest});
   }
   /// Draws the chain, with its first sample at a boundary, on all buckets that it hides.
   void Draw(int first) {
@@ -294,7 +298,7 @@ class Finder {
 
   /// True if a chain hides a wall, or did so.
   bool IsHidden(uint32_t wall) {
-    if (chain_of_[wall] == kHidden) return true;
+    if (states_[wall] == State::kHidden) return true;
     Vec2 right = PointOf(Corners::EndOf(wall));
     Vec2 left = PointOf(Corners::OtherEnd(Corners::EndOf(wall)));
     if (!IsOutside(right, left)) return false;
@@ -302,16 +306,15 @@ class Finder {
     const double place = Buckets::Of(right), turn = Turn(right, left);
     const double farthest = std::max(Length(right), Length(left));
     comparisons_ += chains_.size();
-    for (const Chain& chain : chains_) {
-      const bool is_edge_on = chain.end - chain.begin < 2;
-      if (is_edge_on || chain.nearest > farthest) continue;
-      const Vertex* const begin = &vertices_[chain.begin];
-      const Vertex* const end = begin + (chain.end - chain.begin);
-      const double least = begin->place - kLeastTurn;
-      const double from = place + std::ceil((least - place) / kBuckets) * kBuckets;
-      if (from + turn > end[-1].place + kLeastTurn) continue;
-      if (!Hides(begin, end, {right, left}, from, from + turn)) continue;
-      chain_of_[wall] = kHidden;
+    for (Chain& chain : chains_) {
+      const double from = place < chain.from ? place + kBuckets : place;
+      if (chain.nearest > farthest || from + turn > chain.to) continue;
+      const Vertex* const vertices = vertices_.data();
+      if (!Hides(vertices + chain.begin, vertices + chain.end, {right, left}, from, from + turn)) {
+        continue;
+      }
+      states_[wall] = State::kHidden;
+      std::swap(chain, chains_.front());  // it is likely to hide the next wall, too
       return true;
     }
     return false;
@@ -363,7 +366,7 @@ class Finder {
   AlignedDoubles inverse_;  // of the radius behind which all is hidden, by bucket [1/m]
   Horizon horizon_;
   SearchLists lists_;
-  std::vector<int> chain_of_;  // by wall
+  std::vector<State> states_;  // by wall
   std::vector<Chain> chains_;
   std::vector<Vertex> vertices_;  // of all chains
   std::vector<uint32_t> detour_;
