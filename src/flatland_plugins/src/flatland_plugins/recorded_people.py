@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from heapq import heappush, heapreplace
 from pathlib import Path
 from typing import Dict, List, Sequence, Tuple
 
@@ -122,11 +123,13 @@ def _row(line: str, words: Sequence[str]) -> List[float]:
 def _bodies(walks: Sequence[Walk]) -> Tuple[Tuple[Walk, ...], ...]:
     """The walks by bodies: as few as can show all of them."""
     bodies: List[List[Walk]] = []
+    ends: List[Tuple[float, int]] = []  # a heap: of the last walk of each body
     for walk in walks:
-        free = (each for each in bodies if each[-1][-1, 0] + _PAUSE <= walk[0, 0])
-        body = next(free, None)
-        if body is None:
-            bodies.append([walk])
+        begin, end = float(walk[0, 0]), float(walk[-1, 0])
+        if ends and ends[0][0] + _PAUSE <= begin:
+            body = heapreplace(ends, (end, ends[0][1]))[1]
+            bodies[body].append(walk)
         else:
-            body.append(walk)
+            heappush(ends, (end, len(bodies)))
+            bodies.append([walk])
     return tuple(map(tuple, bodies))
