@@ -245,11 +245,12 @@ async function seek(time) {
 
 const pauseOrRun = () => call(state.paused ? "/resume" : "/pause", {}, "");
 
-async function stepOnce() {
+async function stepBy(service, request, what) {
   if (isInPast()) return seek(state.time + STEP);
   if (!state.paused) await call("/pause", {}, "");
-  return call("/step_world", {}, `a step of ${STEP} s`);
+  return call(service, request, what);
 }
+const goOn = () => stepBy("/step_world", {}, `a step of ${STEP} s`);
 
 // Changes of the world
 
@@ -338,7 +339,7 @@ function leave() {
 const showAll = () => { view.showAll(); follow(false); };
 const latest = () => seek(state.end);
 const buttons = {
-  pause: pauseOrRun, step: stepOnce, reset: () => call("/reset", {}, "the world is as it was loaded"),
+  pause: pauseOrRun, step: goOn, reset: () => call("/reset", {}, "the world is as it was loaded"),
   spawn: () => setSpawning(!isSpawning), delete: remove, undo: () => undo("undo"), redo: () => undo("redo"),
   save: () => save(false), all: showAll, picture: savePicture, look: changeLook, help: showKeys, latest,
 };
@@ -365,7 +366,8 @@ for (const button of get("pad").children) {
 }
 
 const actions = {
-  " ": pauseOrRun, ".": stepOnce, F10: stepOnce, ",": () => seek(state.time - STEP), r: buttons.reset,
+  " ": pauseOrRun, ".": goOn, ",": () => seek(state.time - STEP), r: buttons.reset,
+  F10: () => stepBy("/step", {steps: 1}, "one step"),
   "+": () => changeRate(RATES.find((rate) => rate > Number(get("rate").value))),
   "-": () => changeRate(RATES.findLast((rate) => rate < Number(get("rate").value))),
   f: () => toggle("follow"), l: () => toggle("scans"), n: () => toggle("names"), t: () => toggle("trail"),
