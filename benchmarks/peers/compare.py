@@ -1,54 +1,24 @@
 """Measures Flatland beside other simulators, in turns; `benchmarks/peers/run --help`."""
 
 import argparse
+import json
+import os
+import subprocess
 import sys
+import tempfile
 from collections import defaultdict
+from pathlib import Path
 from statistics import median
 from typing import DefaultDict, Dict, List, NamedTuple, Optional, Tuple
 
-import numpy as np
-
 from flatland_benchmark.tables import head, row
-from processes import PeerError, Process, Simulator
-from scenario import Scenario
+from simulators import FLATLAND, SIMULATORS, PeerError, Simulator, python_of
 
-TOLERANCE = 0.01
-"""Tolerance of ranges [m]: ir-sim's discs are polygons of 64 corners."""
-
-FLATLAND = Simulator("Flatland", "flatland_rooms", 1000, has_batches=True)
-IRSIM = Simulator("ir-sim 2.12.0", "irsim_rooms", 100, requirement="ir-sim[all]==2.12.0")
-SIMULATORS = (
-    FLATLAND,
-    FLATLAND._replace(name="Flatland, 20 x 5 ms", variant="20 x 5 ms"),
-    IRSIM,
-    IRSIM._replace(name="ir-sim, contact", variant="contact"),
-    Simulator(
-        "irsim-x 1.1.4",
-        "irsim_rooms",
-        1000,
-        has_batches=True,
-        requirement="irsim-x==1.1.4",
-        flags="-mno-avx512f",  # with AVX-512, its batch leaves every other eight ranges undefined
-    ),
-    Simulator(
-        "JalanSim 0.0.1",
-        "jalansim_rooms",
-        1,
-        has_batches=True,
-        requirement="jalansim==0.0.1 numpy",  # which it does not require itself
-    ),
-    Simulator(
-        "JaxNav (jaxmarl 0.2.0)",
-        "jaxnav_rooms",
-        10,  # memory grows with the square of their number
-        has_batches=True,
-        requirement="jaxmarl==0.2.0",
-    ),
-)
+_WORKER = Path(__file__).resolve().with_name("worker.py")
 
 
 class Case(NamedTuple):
-    """Robots that are measured together: in one "room", or in a "batch" with a room for each."""
+    """Robots that are measured together: in one "Room", or in a "Batch" with a room for each."""
 
     kind: str
     robots: int
@@ -56,59 +26,70 @@ class Case(NamedTuple):
     @property
     def title(self) -> str:
         """The heading of its table column."""
-        return f"{'robots' if self.kind == 'room' else 'batch'} {self.robots}"
+        return f"{'robots' if self.kind == 'Room' else 'batch'} {self.robots}"
+
+    @property
+    def is_exact(self) -> bool:
+        """True if no robot is in another one's view, so that exact ranges are known."""
+        return self.robots == 1 or self.kind == "Batch"
 
     def suits(self, simulator: Simulator) -> bool:
         """True if a simulator can run this case."""
-        is_batch = self.kind == "batch"
+        is_batch = self.kind == "Batch"
         return simulator.has_batches if is_batch else self.robots <= simulator.most_robots
 
 
-def wrong_share(
-    ranges: List[List[float]], exact: "np.ndarray[float, np.dtype[np.float64]]"
-) -> float:
-    """The share of ranges that are not the exact ones; NaN is wrong."""
-    is_right = np.abs(np.array(ranges, dtype=float) - exact) <= TOLERANCE
-    return float(np.mean(~is_right))
+def measure(simulator: Simulator, case: Case, seed: int, seconds: float) -> Dict[str, float]:
+    """Measures a simulator in a process of its own; see worker.py.
+
+    Raises:
+        PeerError: it cannot be installed, or has failed.
+    """
+    request = {
+        "module": simulator.module,
+        "kind": case.kind,
+        "robots": case.robots,
+        "seed": seed,
+        "seconds": seconds,
+        "options": simulator.options,
+    }
+    environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    environment["MPLBACKEND"] = "Agg"
+    if simulator.requirement:
+        environment.pop("PYTHONPATH", None)
+    with tempfile.TemporaryDirectory(prefix="flatland_peers_") as folder:
+        environment["TMPDIR"] = folder  # for world files, deleted with the folder
+        answer = Path(folder, "answer.json")  # simulators and their libraries print
+        command = [python_of(simulator), str(_WORKER), json.dumps(request), str(answer)]
+        run = subprocess.run(command, env=environment, capture_output=True, text=True)
+        if run.returncode:
+            raise PeerError(f"{simulator.name} has failed:\n{run.stderr[-2000:]}")
+        found: Dict[str, float] = json.loads(answer.read_text())
+    return found
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
     """Compares; returns an exit code: 1 if a simulator could not be measured."""
     options = _parser().parse_args(arguments)
-    cases = [Case("room", number) for number in options.robots]
-    cases += [Case("batch", size) for size in options.batch]
+    cases = [Case("Room", number) for number in options.robots]
+    cases += [Case("Batch", size) for size in options.batch]
     simulators = SIMULATORS[:2] if options.alone else SIMULATORS
     rates: DefaultDict[Tuple[str, Case], List[float]] = defaultdict(list)
     wrong: DefaultDict[str, List[float]] = defaultdict(list)
-    processes: Dict[str, Process] = {}
     try:
-        for simulator in simulators:
-            processes[simulator.name] = Process(simulator)
         for number in range(options.rounds):
             # Each round starts with another simulator, and has other places of discs and robots.
             first = number % len(simulators)
             for case in cases:
                 for simulator in simulators[first:] + simulators[:first]:
-                    if not case.suits(simulator):
-                        continue
-                    found = processes[simulator.name].ask(
-                        kind=case.kind,
-                        variant=simulator.variant,
-                        robots=case.robots,
-                        seed=number + 1,
-                        seconds=options.seconds,
-                    )
-                    if case.robots == 1 or case.kind == "batch":  # exact without other robots
-                        layout = Scenario(case.robots, number + 1, rooms=case.robots)
-                        share = wrong_share(found["ranges"], layout.exact_ranges())
-                        wrong[simulator.name].append(share)
-                    rates[simulator.name, case].append(found["rate"])
+                    if case.suits(simulator):
+                        found = measure(simulator, case, number + 1, options.seconds)
+                        rates[simulator.name, case].append(found["rate"])
+                        if case.is_exact:
+                            wrong[simulator.name].append(found["wrong"])
     except PeerError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
-    finally:
-        for process in processes.values():
-            process.end()
     print("\n".join(table(cases, rates, wrong)))
     return 0
 

@@ -12,104 +12,71 @@ import yaml
 import scenario
 from scenario import Scenario
 
-COLLISIONS = {"": "stop", "contact": "contact"}
-"""`collision_mode` of the world, by the variant. "stop" is the default of both packages."""
-
 
 class Room:
     """Robots in one world.
 
     Args:
-        robots: number of robots.
-        seed: seed of the robots' places and commands; see `Scenario`.
-        collisions: the world's `collision_mode`.
+        layout: the scenario.
+        collisions: the world's `collision_mode`; "stop" is the default of both packages.
     """
 
-    def __init__(self, robots: int, seed: int, collisions: str) -> None:
-        self.robots = robots
-        self._scenario = Scenario(robots, seed)
-        self._step = 0
-        self._env = irsim.make(world_file(self._scenario, collisions), **_quiet())
-        self._ids = list(range(robots))
-        columns = self._scenario.commands[..., None]
-        self._commands = [[np.array(each) for each in row] for row in columns]
-        self._env.step([np.zeros((2, 1))] * robots, self._ids)  # its first scans
+    def __init__(self, layout: Scenario, collisions: str = "stop") -> None:
+        columns = layout.commands[..., None]
+        self.commands = [[np.array(each) for each in row] for row in columns]
+        self._env = irsim.make(world_file(layout.discs, layout.poses, collisions), **_quiet())
+        self._ids = list(range(len(layout.poses)))
+        self._env.step([np.zeros((2, 1)) for _ in self._ids], self._ids)  # its first scans
 
-    def run(self, steps: int) -> None:
+    def step(self, commands: Any) -> None:
         """Commands all robots, steps, and reads all scans."""
-        for _ in range(steps):
-            self._env.step(self._commands[self._scenario.command(self._step)], self._ids)
-            for robot in self._env.robot_list:
-                robot.get_lidar_scan()["ranges"]
-            self._step += 1
+        self._env.step(commands, self._ids)
+        for robot in self._env.robot_list:
+            robot.get_lidar_scan()["ranges"]
 
     def scans(self) -> Any:
         """The ranges of all lidars [m]."""
-        return np.array([robot.get_lidar_scan()["ranges"] for robot in self._env.robot_list])
-
-    def close(self) -> None:
-        """Ends the environment."""
-        self._env.end(ending_time=0.0)
+        return [robot.get_lidar_scan()["ranges"] for robot in self._env.robot_list]
 
 
 class Batch:
     """Robots, each alone in a copy of the room: irsim-x's `make(batch_size=...)`.
 
-    Its obstacles are not read from the file; they are the same for all robots.
+    Its obstacles are not read from the file; they are the same for all robots. The batch only
+    reports collisions, and robots drive on.
 
     Args:
-        robots: number of robots.
-        seed: seed of the robots' places and commands; see `Scenario`.
-        collisions: ignored: the batch only reports collisions, and robots drive on.
+        layout: the scenario.
     """
 
-    def __init__(self, robots: int, seed: int, collisions: str) -> None:
-        self.robots = robots
-        self._scenario = Scenario(robots, seed, rooms=robots)
-        self._step = 0
-        self._env = irsim.make(world_file(Scenario(1, seed), collisions), batch_size=robots)
+    def __init__(self, layout: Scenario) -> None:
+        # Forward velocity, velocity to the left (none), yaw rate.
+        speeds, yaw_rates = np.moveaxis(layout.commands, -1, 0)
+        columns = (speeds, np.zeros_like(speeds), yaw_rates)
+        self.commands = np.stack(columns, axis=-1).astype(np.float32)
+        world = world_file(layout.discs, layout.poses[:1], "stop")
+        self._env = irsim.make(world, batch_size=len(layout.poses))
         # Its lidar knows the walls only if another obstacle is added after them.
         self._env.batch_cpp.add_linestring_obstacle(_corners())
-        for x, y in self._scenario.discs.tolist():
+        for x, y in layout.discs.tolist():
             circle = {"type": "circle", "x": x, "y": y, "radius": scenario.DISC_RADIUS}
             self._env.add_obstacle(circle)
-        self._env.set_poses(self._scenario.poses.astype(np.float32))
-        # Forward velocity, velocity to the left (none), yaw rate.
-        zeros = np.zeros_like(self._scenario.commands[..., 0])
-        columns = (self._scenario.commands[..., 0], zeros, self._scenario.commands[..., 1])
-        self._commands = np.stack(columns, axis=-1).astype(np.float32)
+        self._env.set_poses(layout.poses.astype(np.float32))
 
-    def run(self, steps: int) -> None:
+    def step(self, commands: Any) -> None:
         """Commands, steps and scans."""
-        for _ in range(steps):
-            self._env.step(self._commands[self._scenario.command(self._step)])
-            self._env.get_lidar_scan()
-            self._step += 1
+        self._env.step(commands)
+        self._env.get_lidar_scan()
 
     def scans(self) -> Any:
         """The ranges of all lidars [m]."""
         return self._env.get_lidar_scan()
 
-    def close(self) -> None:
-        """Ends the batch."""
-        self._env.close()
 
-
-def open_room(kind: str, variant: str, robots: int, seed: int) -> Any:
-    """A `Room` or a `Batch`, by the kind."""
-    return (Batch if kind == "batch" else Room)(robots, seed, COLLISIONS[variant])
-
-
-def world_file(layout: Scenario, collisions: str) -> str:
-    """Writes the world; returns the path of its file."""
-    x, y = layout.discs.T
-    obstacles: Any = [
-        {
-            "shape": {"name": "circle", "radius": scenario.DISC_RADIUS},
-            "state": [float(a), float(b), 0.0],
-        }
-        for a, b in zip(x, y)
-    ]
+def world_file(discs: Any, poses: Any, collisions: str) -> str:
+    """Writes a world with discs, and robots at these poses; returns the path of its file."""
+    circle = {"name": "circle", "radius": scenario.DISC_RADIUS}
+    obstacles: Any = [{"shape": circle, "state": [x, y, 0.0]} for x, y in discs.tolist()]
     walls = {"name": "linestring", "vertices": _corners()}
     obstacles.append({"shape": walls, "state": [0.0, 0.0, 0.0]})
     lidar = {
@@ -127,7 +94,7 @@ def world_file(layout: Scenario, collisions: str) -> str:
             "vel_max": [scenario.SPEED, scenario.YAW_RATE],
             "sensors": [lidar],
         }
-        for pose in layout.poses.tolist()
+        for pose in poses.tolist()
     ]
     robot = robots if len(robots) > 1 else robots[0]
     world = {

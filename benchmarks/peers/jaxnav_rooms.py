@@ -23,19 +23,16 @@ _OUTLINE = scenario.ROBOT_RADIUS * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]
 """Its robots are polygons."""
 
 
-class Rooms:
+class Room:
     """Environments with robots, which all have the same map.
 
     Args:
-        scenario_: the room, with the robots of all environments.
-        count: number of environments.
+        layout: the scenario.
     """
 
-    def __init__(self, scenario_: Scenario, count: int) -> None:
-        self.robots = len(scenario_.poses)
-        self._scenario, self._count, self._step = scenario_, count, 0
-        team = self.robots // count
-        squares = scenario.squares(scenario_.discs, _SQUARE)
+    def __init__(self, layout: Scenario) -> None:
+        count, team = layout.rooms, len(layout.poses) // layout.rooms
+        squares = scenario.squares(layout.discs, _SQUARE)
         env = JaxNav(
             team,
             rad=scenario.ROBOT_RADIUS,
@@ -50,7 +47,7 @@ class Rooms:
             max_steps=2**30,
             dt=scenario.STEP,
         )
-        poses = scenario_.poses.reshape(count, team, 3).astype(np.float32)
+        poses = layout.poses.reshape(count, team, 3).astype(np.float32)
         no, zeros = jnp.zeros((count, team), bool), jnp.zeros((count, team, 2))
         self._state = State(
             pos=jnp.asarray(poses[..., :2] + _SQUARE),  # the walls are one square thick
@@ -75,28 +72,20 @@ class Rooms:
             return jnp.stack([found[0][agent] for agent in env.agents]), found[1]
 
         self._drive = jax.jit(jax.vmap(step, in_axes=(axes, 0), out_axes=(0, axes)))
-        commands = scenario_.commands.astype(np.float32)
-        self._commands = jnp.asarray(commands.reshape(len(commands), count, team, 2))
-        self._drive(self._state, self._commands[0])  # compiles
+        commands = layout.commands.astype(np.float32)
+        self.commands = jnp.asarray(commands.reshape(len(commands), count, team, 2))
+        self._drive(self._state, self.commands[0])  # compiles
 
-    def run(self, steps: int) -> None:
+    def step(self, commands: Any) -> None:
         """Commands, steps and scans; the scans are in the observations."""
-        for _ in range(steps):
-            commands = self._commands[self._scenario.command(self._step)]
-            observations, self._state = self._drive(self._state, commands)
-            np.asarray(observations)
-            self._step += 1
+        observations, self._state = self._drive(self._state, commands)
+        np.asarray(observations)
 
     def scans(self) -> Any:
         """The ranges of all lidars [m]."""
-        observations = np.asarray(self._observe(self._state)).reshape(self.robots, -1)
-        return (observations[:, : scenario.BEAMS] + 0.5) * scenario.RANGE
-
-    def close(self) -> None:
-        """Does nothing."""
+        observations = np.asarray(self._observe(self._state))
+        ranges = observations.reshape(-1, observations.shape[-1])[:, : scenario.BEAMS]
+        return (ranges + 0.5) * scenario.RANGE
 
 
-def open_room(kind: str, variant: str, robots: int, seed: int) -> Rooms:
-    """Robots in one room, or a batch with a room for each."""
-    count = robots if kind == "batch" else 1
-    return Rooms(Scenario(robots, seed, rooms=count), count)
+Batch = Room

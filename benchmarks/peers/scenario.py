@@ -21,6 +21,8 @@ SPEED = 0.5
 YAW_RATE = 1.0
 STEPS_PER_COMMAND = 10
 _BLOCKS = 16
+_TOLERANCE = 0.01
+"""Tolerance of ranges [m]: ir-sim's discs are polygons of 64 corners."""
 _GAP = 0.4
 """Least initial gap between robots, discs and walls [m]."""
 
@@ -37,12 +39,14 @@ class Scenario:
         rooms: 1, or as many as robots: each has a room of its own, and robots may overlap.
 
     Attributes:
+        rooms: that number.
         discs: x, y [m], shape (20, 2).
         poses: of the robots: x, y [m] and yaw [rad], shape (robots, 3).
         commands: forward velocity [m/s] and yaw rate [rad/s], shape (16, robots, 2).
     """
 
     def __init__(self, robots: int, seed: int, rooms: int = 1) -> None:
+        self.rooms = rooms
         rng = np.random.default_rng(seed)
         taken: List[Circle] = []
         self.discs = np.array([_place(rng, DISC_RADIUS, taken) for _ in range(DISCS)])
@@ -55,9 +59,14 @@ class Scenario:
         low, high = (0.0, -YAW_RATE), (SPEED, YAW_RATE)
         self.commands = rng.uniform(low, high, (_BLOCKS, robots, 2))
 
-    def command(self, step: int) -> int:
-        """The row of `commands` for a step."""
-        return step // STEPS_PER_COMMAND % _BLOCKS
+    def wrong_share(self, ranges: Any) -> float:
+        """The share of ranges that are not exact; NaN is wrong. With other robots in view, all are.
+
+        Args:
+            ranges: from the first poses [m], shape (robots, 64).
+        """
+        is_right = np.abs(np.array(ranges, dtype=float) - self.exact_ranges()) <= _TOLERANCE
+        return float(np.mean(~is_right))
 
     def exact_ranges(self) -> "np.ndarray[Any, Any]":
         """Exact ranges to discs and walls, without the other robots [m]: shape (robots, 64)."""

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare import FLATLAND, IRSIM, Case, table, wrong_share
+from compare import Case, table
 from scenario import DISC_RADIUS, Scenario, squares
+from simulators import FLATLAND, IRSIM
 
 HERE = Path(__file__).resolve().parents[1]
 
@@ -34,7 +35,7 @@ def test_a_small_run_prints_what_it_has_measured():
 
 
 def test_ratios_are_those_of_rounds():
-    room, batch = Case("room", 10), Case("batch", 1024)
+    room, batch = Case("Room", 10), Case("Batch", 1024)
     rates = {
         (FLATLAND.name, room): [300.0, 900.0, 500.0],
         (FLATLAND.name, batch): [5.0],
@@ -48,12 +49,13 @@ def test_ratios_are_those_of_rounds():
 
 
 def test_wrong_ranges_are_counted():
-    exact = Scenario(2, seed=3).exact_ranges()
+    scenario = Scenario(2, seed=3)
+    exact = scenario.exact_ranges()
     assert 0.0 < np.mean(exact < 10.0) < 1.0
     ranges = exact.copy()
     ranges[0, :3] += (0.009, 0.011, np.nan)
 
-    assert wrong_share(ranges.tolist(), exact) == 2 / 128
+    assert scenario.wrong_share(ranges.tolist()) == 2 / 128
 
 
 def test_a_map_of_squares_has_the_room_and_its_discs():

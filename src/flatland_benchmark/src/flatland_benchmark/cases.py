@@ -2,13 +2,14 @@
 
 from flatland_benchmark import (  # noqa: F401
     batch_cases,
-    library_cases,
+    gate_case,
+    gym_cases,
     plugin_cases,
     ray_cases,
     server_cases,
     start_case,
     state_cases,
-    websocket_cases,
+    sweep_cases,
 )
 from flatland_benchmark.case import CASES
 

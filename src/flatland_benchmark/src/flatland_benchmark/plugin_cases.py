@@ -46,7 +46,6 @@ _PLUGINS: Dict[str, Dict[str, Any]] = {
     "Bumper": {},
     "BoolSensor": _BODY,
     "Pedestrian": {"goals": [[0.6, 0], [-0.6, 0]], **_BODY},
-    "DummyModelPlugin": {},
 }
 """The keys of plugins that are due at each step, by the names of their figures."""
 
@@ -56,7 +55,6 @@ _WORLD_PLUGINS: Dict[str, Dict[str, Any]] = {
         "pedestrians": [{"pose": [x, 0.4, 0], "goals": [[1.2, 0.4], [-1.2, 0.4]]} for x in (1, -1)],
     },
     "RandomWall": {"layer": "map", "robot_name": "robot", "num_of_walls": 3},
-    "DummyWorldPlugin": {},
 }
 """The same for plugins of the world."""
 

@@ -59,9 +59,7 @@ class Process:
     @property
     def cpu_seconds(self) -> float:
         """Processor time used so far, on all cores."""
-        stat = Path(f"/proc/{self._popen.pid}/stat").read_text()
-        user, system = stat.rpartition(")")[2].split()[11:13]
-        return (int(user) + int(system)) / _TICKS
+        return cpu_seconds(self._popen.pid)
 
     @property
     def memory(self) -> float:
@@ -118,6 +116,18 @@ class Process:
             *self._errors.read_text(errors="replace").splitlines()[-20:],
         ]
         return "\n".join(f"{self.name}: {line}" for line in lines)
+
+
+def cpu_seconds(pid: int) -> float:
+    """Processor time that a process has used so far, on all cores."""
+    stat = Path(f"/proc/{pid}/stat").read_text()
+    user, system = stat.rpartition(")")[2].split()[11:13]
+    return (int(user) + int(system)) / _TICKS
+
+
+def children() -> List[int]:
+    """The processes that the main thread of this one has started."""
+    return [int(pid) for pid in Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()]
 
 
 def _die_with_parent() -> None:

@@ -7,15 +7,18 @@ A step, which may move every body, precedes each of our scans; its own time is s
 import time
 from pathlib import Path
 from statistics import median
-from typing import Callable, List, Union
+from typing import TYPE_CHECKING, Callable, List, Union
 
 import numpy as np
 
-from flatland_benchmark import _box2d_rays, scenes
+from flatland_benchmark import scenes
 from flatland_benchmark.case import Figures, case
 from flatland_server._core import BeamFan
 from flatland_server.arrays import Float32Array, FloatArray
 from flatland_server.geometry import Pose
+
+if TYPE_CHECKING:
+    from flatland_benchmark import _box2d_rays
 
 Ranges = Union[FloatArray, Float32Array]
 Scan = Callable[[Pose], Ranges]
@@ -60,7 +63,7 @@ def compare(worlds: Path, scene: str, reach: float) -> Figures:
     def step() -> None:
         place.world.physics.step(0.005)
 
-    def by_box2d(world: _box2d_rays.World) -> Scan:
+    def by_box2d(world: "_box2d_rays.World") -> Scan:
         return lambda pose: world.scan(directions, pose, reach)
 
     theirs = _fastest([by_box2d(world) for world in place.in_box2d()], place.poses)

@@ -6,26 +6,27 @@ still until they are commanded.
 """
 
 from pathlib import Path
-from typing import List, Tuple
+from typing import List
 
 import numpy as np
 import yaml
 
-from flatland_benchmark.free_space import read_free_space
-from flatland_server import _core
-from flatland_server.arrays import BoolArray
+from flatland2d import DistanceGrid, FreeSpace, Pose, Simulation
 
 RADIUS = 0.18
 """A robot's radius [m]."""
 
-_CELL = 0.25
-"""Side of the cells of the search for free places [m]."""
+_CLEARANCE = 0.3
+"""Of a robot's middle from walls [m]."""
 
-_CLOSEST = 2
-"""Least distance between robots in cells: 0.5 m."""
+_APART = 0.5
+"""Least distance between robots' middles [m]."""
 
 _START = (0.0, 0.0)
 """A point inside the walls: the office's lobby [m]."""
+
+_TRIES = 1000
+"""Places to draw for a robot."""
 
 
 def write_world(folder: Path, worlds: Path, robots: int) -> Path:
@@ -55,9 +56,9 @@ def write_world(folder: Path, worlds: Path, robots: int) -> Path:
             "name": f"robot_{i}",
             "namespace": f"robot_{i}",
             "model": "robot.model.yaml",
-            "pose": [x, y, i * 2.4 % 6.28],  # spread over all headings
+            "pose": list(pose),
         }
-        for i, (x, y) in enumerate(free_places(worlds / "office" / "office.yaml", robots))
+        for i, pose in enumerate(free_poses(floor(worlds, _CLEARANCE), robots))
     ]
     layers = [{"name": "map", "map": str(worlds / "office" / "office.yaml")}]
     path = folder / f"{robots}_robots.world.yaml"
@@ -65,45 +66,22 @@ def write_world(folder: Path, worlds: Path, robots: int) -> Path:
     return path
 
 
-def free_places(map_file: Path, count: int) -> List[Tuple[float, float]]:
-    """Places [m] all over a map, within its walls and clear of them and of each other.
+def floor(worlds: Path, clearance: float) -> FreeSpace:
+    """The places within the office's walls with a clearance from them [m]."""
+    layers = [{"name": "map", "map": str(worlds / "office" / "office.yaml")}]
+    with Simulation({"properties": {}, "layers": layers}) as sim:
+        return DistanceGrid(sim.world.layers[0].segments, _START, clearance).free_space(clearance)
 
-    Args:
-        map_file: of an image map with an origin that is not rotated.
-        count: number of places.
+
+def free_poses(space: FreeSpace, count: int) -> List[Pose]:
+    """Random poses of robots, all over a floor and clear of each other; always the same ones.
 
     Raises:
         ValueError: there are not that many.
     """
-    pixels, resolution, origin = read_free_space(map_file)
-    cells = _coarsened(pixels, round(_CELL / resolution))
-    column, row = ((np.array(_START) - origin) / _CELL).astype(int)
-    roomy = _eroded(_core.connected(cells, (row, column)))
-    for pitch in range(min(roomy.shape), _CLOSEST - 1, -1):
-        rows, columns = np.nonzero(roomy[pitch // 2 :: pitch, pitch // 2 :: pitch])
-        if len(rows) >= count:
-            break
-    else:
-        raise ValueError(f"{map_file}: {count} robots do not fit, only {len(rows)}")
-    chosen = np.linspace(0, len(rows) - 1, count).round().astype(int)
-    cells_of_places = np.stack([columns, rows], axis=1)[chosen] * pitch + pitch // 2
-    return [(float(x), float(y)) for x, y in (cells_of_places + 0.5) * _CELL + origin]
-
-
-def _coarsened(free: BoolArray, side: int) -> BoolArray:
-    """True where a square of `side` x `side` pixels is entirely free."""
-    height, width = (length // side for length in free.shape)
-    squares = free[: height * side, : width * side].reshape(height, side, width, side)
-    coarse: BoolArray = squares.all(axis=(1, 3))
-    return coarse
-
-
-def _eroded(free: BoolArray) -> BoolArray:
-    """True where a cell and its eight neighbours are free."""
-    padded = np.pad(free, 1)
-    height, width = free.shape
-    roomy = free.copy()
-    for row in range(3):
-        for column in range(3):
-            roomy &= padded[row : row + height, column : column + width]
-    return roomy
+    rng = np.random.default_rng(0)
+    drawn = space.clear_poses(rng, [], RADIUS, _APART - RADIUS, count, _TRIES)
+    found = [pose for pose in drawn if pose is not None]
+    if len(found) < count:
+        raise ValueError(f"{count} robots do not fit, only {len(found)}")
+    return found

@@ -9,6 +9,7 @@ from statistics import median
 from typing import List, Optional
 
 from flatland_benchmark.case import Case, Figures
+from flatland_server.config import find_world
 from flatland_server.exceptions import FlatlandError
 
 
@@ -25,9 +26,7 @@ class Clone:
     def __init__(self, folder: Optional[Path] = None) -> None:
         self._shell: List[str] = []
         if folder is None:
-            import rospkg
-
-            self._worlds = Path(rospkg.RosPack().get_path("flatland_server")) / "worlds"
+            self._worlds = find_world("office").parents[1]
             return
         self._worlds = folder.resolve() / "src" / "flatland_server" / "worlds"
         setup = folder.resolve() / "devel" / "setup.bash"

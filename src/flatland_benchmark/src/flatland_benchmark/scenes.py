@@ -1,18 +1,18 @@
 """The scenes of the ray cases: the same walls and bodies in Flatland and in Box2D."""
 
-import tempfile
 from pathlib import Path
-from typing import Any, List, NamedTuple, Tuple
+from typing import TYPE_CHECKING, Any, List, NamedTuple, Tuple
 
 import numpy as np
-from PIL import Image
 
 from flatland2d import Simulation
-from flatland_benchmark import _box2d_rays
-from flatland_benchmark.free_space import free_poses, single_precision
 from flatland_benchmark.outlines import trace_outlines
+from flatland_benchmark.robot_worlds import floor
 from flatland_server.arrays import FloatArray
 from flatland_server.geometry import Pose
+
+if TYPE_CHECKING:
+    from flatland_benchmark import _box2d_rays
 
 POSES = 200
 """Number of lidar poses in each scene."""
@@ -32,13 +32,13 @@ class Scene:
     """Walls and bodies, and the poses of the lidar.
 
     Args:
-        map_file: the map with the walls.
+        walls: the map, as in a world file.
         poses: the lidar's poses.
         bodies: the bodies, all of which lidars see.
     """
 
-    def __init__(self, map_file: Path, poses: List[Pose], bodies: Tuple[Body, ...] = ()) -> None:
-        layers = [{"name": "map", "map": str(map_file)}]
+    def __init__(self, walls: Any, poses: List[Pose], bodies: Tuple[Body, ...] = ()) -> None:
+        layers = [{"name": "map", "map": walls}]
         self._simulation = Simulation({"properties": {}, "layers": layers})
         self.world = self._simulation.world
         self.poses = poses
@@ -50,13 +50,15 @@ class Scene:
                 # Without collisions: they may overlap, and stay where they are.
                 getattr(handle, f"add_{kind}")(*shape, density=1.0, collides=False)
 
-    def in_box2d(self) -> List[_box2d_rays.World]:
+    def in_box2d(self) -> "List[_box2d_rays.World]":
         """The scene in Box2D, for several orders of insertion: its speed depends on them."""
         outlines = trace_outlines(self.segments)
         longest_first = sorted(outlines, key=len, reverse=True)
         return [self._insert(order) for order in (outlines, outlines[::-1], longest_first)]
 
-    def _insert(self, outlines: List[FloatArray]) -> _box2d_rays.World:
+    def _insert(self, outlines: List[FloatArray]) -> "_box2d_rays.World":
+        from flatland_benchmark import _box2d_rays  # made by catkin; other cases run without it
+
         world = _box2d_rays.World()
         world.add_walls(np.concatenate(outlines))
         for body in self.bodies:
@@ -68,60 +70,57 @@ class Scene:
 
 def office(worlds: Path) -> Scene:
     """The office's walls and furniture, from poses anywhere inside."""
-    return Scene(worlds / "office/office.yaml", _office_poses(worlds, POSES))
+    return Scene(str(worlds / "office/office.yaml"), _office_poses(worlds, POSES))
 
 
 def office_bodies(worlds: Path) -> Scene:
     """Fifty bodies around the office's lobby and the lidar among them."""
     near = [pose for pose in _office_poses(worlds, 20 * POSES) if np.hypot(*pose[:2]) < 8.0]
     bodies = _fifty_bodies(near)
-    return Scene(worlds / "office/office.yaml", _outside(bodies, near[50:])[:POSES], bodies)
+    walls = str(worlds / "office/office.yaml")
+    return Scene(walls, _outside(bodies, near[50:])[:POSES], bodies)
 
 
 def _office_poses(worlds: Path, count: int) -> List[Pose]:
-    return free_poses(worlds / "office/office.yaml", count, seed=1, reachable_from=(0.0, 0.0))
+    return _single_precision(floor(worlds, 0.0).poses(count, np.random.default_rng(1)))
 
 
 def noisy_map(worlds: Path) -> Scene:
     """Rooms of 10 x 10 m in 200 x 200 m, full of single pixels, with 200,000 segments in all."""
-    rng = np.random.default_rng(1)
-    pixels = np.full((4000, 4000), 254, np.uint8)
-    pixels[100:3900:200, 100:3900] = 0
-    pixels[100:3900, 100:3900:200] = 0
-    pixels[rng.random(pixels.shape) < 0.00319] = 0
-    with tempfile.TemporaryDirectory() as folder:
-        Image.fromarray(pixels).save(Path(folder, "map.png"))
-        path = Path(folder, "map.yaml")
-        path.write_text(
-            "{image: map.png, resolution: 0.05, origin: [0, 0, 0], occupied_thresh: 0.65}"
-        )
-        return Scene(path, free_poses(path, POSES, seed=1))
+    rng, pixel = np.random.default_rng(1), 0.05
+    cells = np.zeros((4000, 4000), bool)
+    cells[100:3900:200, 100:3900] = True
+    cells[100:3900, 100:3900:200] = True
+    cells[rng.random(cells.shape) < 0.00319] = True
+    poses = rng.uniform((0.0, 0.0, -np.pi), (200.0, 200.0, np.pi), (2 * POSES, 3))
+    columns, rows = (poses[:, :2] / pixel).astype(int).T
+    free = poses[~cells[rows, columns]][:POSES]
+    return Scene({"grid": cells, "resolution": pixel}, _single_precision(free))
 
 
 def room(worlds: Path) -> Scene:
     """Four walls, 20 x 20 m."""
-    return _room(_room_poses(POSES))
+    return Scene(_ROOM, _room_poses(POSES))
 
 
 def bodies(worlds: Path) -> Scene:
     """The room with fifty bodies in view."""
     bodies = _fifty_bodies(_room_poses(50))
-    return _room(_outside(bodies, _room_poses(4 * POSES)[50:])[:POSES], bodies)
+    return Scene(_ROOM, _outside(bodies, _room_poses(4 * POSES)[50:])[:POSES], bodies)
 
 
-def _room(poses: List[Pose], bodies: Tuple[Body, ...] = ()) -> Scene:
-    with tempfile.TemporaryDirectory() as folder:
-        Path(folder, "room.dat").write_text(
-            "-10 -10 10 -10\n10 -10 10 10\n10 10 -10 10\n-10 10 -10 -10\n"
-        )
-        path = Path(folder, "room.yaml")
-        path.write_text("{type: line_segments, data: room.dat, scale: 1, origin: [0, 0, 0]}")
-        return Scene(path, poses, bodies)
+_ROOM = {"polygons": [[[-10, -10], [10, -10], [10, 10], [-10, 10]]]}
 
 
 def _room_poses(count: int) -> List[Pose]:
     limits = np.array([9.5, 9.5, np.pi])
-    return single_precision(np.random.default_rng(1).uniform(-limits, limits, (count, 3)))
+    return _single_precision(np.random.default_rng(1).uniform(-limits, limits, (count, 3)))
+
+
+def _single_precision(poses: FloatArray) -> List[Pose]:
+    """Poses, shape (n, 3), rounded, so that all ray casters start at the same point."""
+    rounded: List[List[float]] = poses.astype(np.float32).tolist()
+    return [Pose(*each) for each in rounded]
 
 
 _BOX = ("polygon", ((-0.375, -0.25), (0.375, -0.25), (0.375, 0.25), (-0.375, 0.25)))

@@ -10,8 +10,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Dict, List, NamedTuple, Optional, Set, Type
 
-from roslib.packages import find_node
-
 from flatland_benchmark.process import Process, wait_until
 from flatland_server.testing.ports import free_port
 
@@ -20,6 +18,8 @@ _NAME = "/flatland_benchmark"  # our name in calls to the master
 
 def executable(package: str, node: str) -> str:
     """The file of a package's node; rosrun starts several processes to find it."""
+    from roslib.packages import find_node  # other cases run without ROS
+
     file: str = find_node(package, node)[0]
     return file
 

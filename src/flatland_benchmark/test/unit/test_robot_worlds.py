@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flatland_benchmark.robot_worlds import free_places, write_world
+from flatland_benchmark.robot_worlds import floor, free_poses, write_world
 from flatland_server.maps.map_reader import read_map
 from flatland_server.simulation.run import Run
 from flatland_server.simulation.world import World
@@ -16,6 +16,12 @@ RADIUS = 0.18  # of a robot [m]
 OFFICE = WORLDS / "office" / "office.yaml"
 
 
+@pytest.fixture(scope="module")
+def space():
+    """The office's floor, as far from its walls as robots are put."""
+    return floor(WORLDS, 0.3)
+
+
 def distances_to_segments(places, segments):
     """Shape (places, segments)."""
     begin, along = segments[:, :2], segments[:, 2:] - segments[:, :2]
@@ -24,9 +30,9 @@ def distances_to_segments(places, segments):
     return np.linalg.norm(offsets - part[..., np.newaxis] * along, axis=2)
 
 
-@pytest.mark.parametrize("count", [1, 2, 10, 50, 100, pytest.param(1000, marks=pytest.mark.slow)])
-def test_places_are_clear_of_walls_and_of_each_other(count):
-    places = np.array(free_places(OFFICE, count))
+@pytest.mark.parametrize("count", [1, 100, pytest.param(1000, marks=pytest.mark.slow)])
+def test_places_are_clear_of_walls_and_of_each_other(space, count):
+    places = np.array(free_poses(space, count))[:, :2]
 
     between = np.linalg.norm(places[:, np.newaxis] - places, axis=2)
     to_walls = distances_to_segments(places, read_map(OFFICE))
@@ -36,22 +42,23 @@ def test_places_are_clear_of_walls_and_of_each_other(count):
     assert to_walls.min() > RADIUS
 
 
-def test_places_are_inside_and_all_over_the_office():
-    places = np.array(free_places(OFFICE, 100))
+def test_places_are_inside_and_all_over_the_office(space):
+    places = np.array(free_poses(space, 100))[:, :2]
 
     assert np.all(np.abs(places - [2.5, 0.0]) < [32.5, 12.5])
     quarters = {(x > 0, y > 0) for x, y in places}
     assert len(quarters) == 4
-    assert np.ptp(places, axis=0) == pytest.approx([62, 23], abs=2)
+    assert np.ptp(places, axis=0) == pytest.approx([62, 23], abs=3)
 
 
-def test_places_are_the_same_each_time():
-    assert free_places(OFFICE, 20) == free_places(OFFICE, 20)
+def test_places_are_the_same_each_time(space):
+    assert free_poses(space, 20) == free_poses(space, 20)
 
 
-def test_more_robots_than_places_are_refused():
-    with pytest.raises(ValueError, match=r"office\.yaml: 5000 robots do not fit, only \d+"):
-        free_places(OFFICE, 5000)
+@pytest.mark.slow
+def test_more_robots_than_places_are_refused(space):
+    with pytest.raises(ValueError, match=r"5000 robots do not fit, only \d+"):
+        free_poses(space, 5000)
 
 
 def test_robots_of_a_world_have_plugins_and_topics_of_their_own(tmp_path):
@@ -70,7 +77,8 @@ def test_robots_stay_where_they_are_put(tmp_path):
     before = [model.base.pose for model in world.models.values()]
     Run(world, Timekeeper(0.005)).step(20)
 
-    assert [model.base.pose for model in world.models.values()] == before
+    after = [model.base.pose for model in world.models.values()]
+    assert np.array(after) == pytest.approx(np.array(before), abs=1e-6)
 
 
 def test_a_world_without_robots_is_just_the_office(tmp_path):

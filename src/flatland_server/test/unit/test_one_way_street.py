@@ -186,10 +186,7 @@ def test_only_a_running_flatland_serve_imports_the_bridge():
     paths = [path for package in packages for path in sources(package)]
     found = forbidden_imports(paths, ("flatland_bridge", "websockets", "orjson", "cbor2", "rclpy"))
 
-    assert {line.partition(":")[0] for line in found} == {
-        "flatland2d/src/flatland2d/cli/serve.py",
-        "flatland_benchmark/src/flatland_benchmark/websocket_cases.py",  # a client
-    }
+    assert {line.partition(":")[0] for line in found} == {"flatland2d/src/flatland2d/cli/serve.py"}
     run_without_ros("import flatland2d.cli\nassert 'flatland_bridge' not in sys.modules")
 
 
