@@ -77,19 +77,9 @@ constexpr float kRings[] = {2.0f, 4.0f, 8.0f, std::numeric_limits<float>::infini
 /// A lidar that is farther from where it was [m] has jumped, and sees other walls.
 constexpr double kJump = 1.0;
 
-/// Draws walls in blocks; the last block is filled up with copies of the last wall.
-FLATLAND_INLINE void DrawEach(const Segment* segments, const LidarView& view, const uint32_t* walls,
-                              int count) {
-  for (int i = 0; i < count; i += kBlock) {
-    uint32_t block[kBlock];
-    for (int k = 0; k < kBlock; ++k) block[k] = walls[std::min(i + k, count - 1)];
-    DrawIndexed(block, segments, view);
-  }
-}
-
 FLATLAND_CLONES void DrawAll(const Segment* segments, const LidarView& view, const uint32_t* walls,
                              int count) {
-  DrawEach(segments, view, walls, count);
+  DrawIndexed(walls, count, segments, view);
 }
 
 FLATLAND_CLONES void Update(Horizon& horizon, const double* inverse) { horizon.Update(inverse); }
@@ -102,7 +92,7 @@ FLATLAND_CLONES void DrawRing(const SegmentTree& walls, const LidarView& view,
   const Hiding hiding{horizon, view.fan.before_buckets(), view.fan.size()};
   uint32_t waiting[kBlock + Lanes::kMost];
   int waits = 0;
-  FindUnhidden(walls, tree, hiding, lists, [&](const int* visible, int found) {
+  FindUnhidden(walls, tree, hiding, lists, [&](const int* visible, int found) FLATLAND_INLINED {
     for (int i = 0; i < found; ++i) {
       const auto wall = static_cast<uint32_t>(visible[i]);
       waiting[waits] = wall;
@@ -111,11 +101,11 @@ FLATLAND_CLONES void DrawRing(const SegmentTree& walls, const LidarView& view,
       ++seen->count;
     }
     const int whole = waits / kBlock * kBlock;
-    DrawEach(walls.segments().data(), view, waiting, whole);
+    DrawIndexed(waiting, whole, walls.segments().data(), view);
     std::copy(waiting + whole, waiting + waits, waiting);
     waits -= whole;
   });
-  DrawEach(walls.segments().data(), view, waiting, waits);
+  DrawIndexed(waiting, waits, walls.segments().data(), view);
 }
 
 /// True if all beams of a run end nearer than a distance, by its square [m^2].

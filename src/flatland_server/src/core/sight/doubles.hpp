@@ -14,8 +14,9 @@
 #else
 #define FLATLAND_CLONES
 #endif
-// Functions called by those must be inlined, to be compiled for AVX2 too.
-#define FLATLAND_INLINE __attribute__((always_inline)) inline
+// Functions and lambdas called by those must be inlined, to be compiled for AVX2 too.
+#define FLATLAND_INLINED __attribute__((always_inline))
+#define FLATLAND_INLINE FLATLAND_INLINED inline
 
 namespace flatland {
 

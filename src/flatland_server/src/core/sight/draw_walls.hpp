@@ -2,6 +2,7 @@
 
 /// For depth_buffer.cpp: draws walls onto the beams, eight at a time.
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -122,8 +123,9 @@ FLATLAND_INLINE void ViewWalls(const FourWalls& four, int lane, const LidarView&
   Store(from > to, walls->wraps + lane);
 }
 
-FLATLAND_INLINE void DrawWalls(const WallsView& walls, const LidarView& view) {
-  for (int lane = 0; lane < kBlock; ++lane) {
+/// Draws the first `count` walls.
+FLATLAND_INLINE void DrawWalls(const WallsView& walls, int count, const LidarView& view) {
+  for (int lane = 0; lane < count; ++lane) {
     const Vec2 a{walls.ax[lane], walls.ay[lane]};
     const Vec2 b{walls.bx[lane], walls.by[lane]};
     if (walls.cross[lane] > 0.0) {
@@ -137,17 +139,21 @@ FLATLAND_INLINE void DrawWalls(const WallsView& walls, const LidarView& view) {
   }
 }
 
-/// Draws the kBlock walls with these indices.
-FLATLAND_INLINE void DrawIndexed(const uint32_t* indices, const Segment* segments,
+/// Draws the walls with these indices, in blocks.
+FLATLAND_INLINE void DrawIndexed(const uint32_t* indices, int count, const Segment* segments,
                                  const LidarView& view) {
-  WallsView walls;
-  for (int lane = 0; lane < kBlock; lane += kGroup) {
-    Doubles rows[kGroup];
-    for (int k = 0; k < kGroup; ++k) rows[k] = Load(&segments[indices[lane + k]].a.x);
-    Transpose(rows);
-    ViewWalls({rows[0], rows[1], rows[2], rows[3]}, lane, view, &walls);
+  for (int begin = 0; begin < count; begin += kBlock) {
+    WallsView walls;
+    for (int lane = 0; lane < kBlock; lane += kGroup) {
+      Doubles rows[kGroup];
+      for (int k = 0; k < kGroup; ++k) {
+        rows[k] = Load(&segments[indices[std::min(begin + lane + k, count - 1)]].a.x);
+      }
+      Transpose(rows);
+      ViewWalls({rows[0], rows[1], rows[2], rows[3]}, lane, view, &walls);
+    }
+    DrawWalls(walls, std::min(kBlock, count - begin), view);
   }
-  DrawWalls(walls, view);
 }
 
 }  // namespace flatland
