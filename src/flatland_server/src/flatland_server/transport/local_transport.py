@@ -15,11 +15,10 @@ from typing import Any, Callable, Container, Deque, Dict, Iterator, List, Option
 from typing import Counter as CounterType
 
 from flatland_server.geometry import Transform
-from flatland_server.transport.message_writer import MessageWriter
 from flatland_server.transport.static_transforms import TOPIC as TF_STATIC
 from flatland_server.transport.static_transforms import StaticTransforms
 from flatland_server.transport.tap import Tap
-from flatland_server.transport.transport import Publisher, Subscription, Transport
+from flatland_server.transport.transport import MessageWriter, Publisher, Subscription, Transport
 
 
 class LocalTransport(Transport):

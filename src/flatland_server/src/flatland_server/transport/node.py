@@ -23,8 +23,6 @@ from flatland_server.transport.transport import (
     Transport,
 )
 
-__all__ = ["Frames", "Node", "Publisher", "Subscription", "Transport"]
-
 
 class NodeTopic(NamedTuple):
     """A topic that a plugin uses."""
