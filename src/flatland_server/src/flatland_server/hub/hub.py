@@ -5,12 +5,11 @@
 
 import logging
 from functools import partial
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple, Union
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple, Union
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.hub.client_edits import ClientEdits
 from flatland_server.hub.client_files import ClientFiles, told
-from flatland_server.hub.failures import Failures
 from flatland_server.hub.map_to_odom import MapToOdom
 from flatland_server.messages.message_types import get
 from flatland_server.messages.service_types import ServiceType
@@ -49,6 +48,29 @@ class Service(NamedTuple):
                 raise ServiceError(told(error)) from None
             return response(success=False, message=told(error))
         return response(**({"success": True} if has_success else {}), **fields)
+
+
+class Failures:
+    """Keeps errors from ending the simulation. Each kind is logged once."""
+
+    def __init__(self) -> None:
+        self._kinds: Set[Tuple[str, str]] = set()
+
+    def catch(self, function: Callable[..., object], *arguments: Any) -> None:
+        """Calls a function.
+
+        Args:
+            function: function to call; it may raise any exception.
+            arguments: arguments of the call.
+        """
+        try:
+            function(*arguments)
+        except Exception as error:
+            name = getattr(function, "__qualname__", repr(type(function)))
+            kind = name, type(error).__name__
+            if kind not in self._kinds:
+                self._kinds.add(kind)
+                logger.exception("%s has failed; the simulation goes on", name)
 
 
 class Hub:
