@@ -19,7 +19,7 @@ import yaml
 from flatland_server.arrays import FloatArray
 from flatland_server.config.file_names import find_file, is_bare, nor_in
 from flatland_server.config.input_files import is_file, similar_file, why_not_a_file
-from flatland_server.config.plain_nodes import plain_copy, to_node
+from flatland_server.config.plain_nodes import to_node
 from flatland_server.config.problem_collector import MutedCollector
 from flatland_server.config.yaml_map import REQUIRED as REQUIRED
 from flatland_server.config.yaml_map import YamlMap, file_of
@@ -100,7 +100,7 @@ class YamlReader(YamlMap):
         Raises:
             FlatlandError: it is no map of plain data, or an expression fails.
         """
-        node = to_node(plain_copy(content, name), name)
+        node = to_node(content, name)
         if preprocessor is not None:
             return cls(preprocessor.resolve(node))
         with closing(YamlPreprocessor()) as own:

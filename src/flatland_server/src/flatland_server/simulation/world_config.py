@@ -132,7 +132,7 @@ class WorldConfig:
             simplify_map: as for `from_file`.
             model_folders: as for `from_file`.
         """
-        node = to_node(plain_copy(content, "world"), "world")
+        node = to_node(content, "world")
 
         def open(preprocessor: YamlPreprocessor) -> YamlReader:
             return YamlReader(preprocessor.resolve(node))
@@ -277,11 +277,14 @@ class WorldConfig:
             FlatlandError: there is no such file, or something in it is wrong.
         """
         if isinstance(source, ModelText):
-            folder = self.model_folders[0]
-            return ModelConfig.from_text(source, folder, self.registry, preprocessor)
-        if not isinstance(source, (str, Path)):
-            return ModelConfig.from_content(source, self.registry, preprocessor)
-        return ModelConfig.from_file(self.find_model(source), self.registry, preprocessor)
+            reader = YamlReader.from_text(*source, self.model_folders[0], preprocessor)
+            content: Any = source.text
+        elif isinstance(source, (str, Path)):
+            return ModelConfig.from_file(self.find_model(source), self.registry, preprocessor)
+        else:
+            reader = YamlReader.from_content(source, "model", preprocessor)
+            content = plain_copy(source, "model")  # the caller's may change
+        return replace(ModelConfig.read(reader, self.registry), content=content)
 
     def find_model(self, source: Union[str, Path], base: Path = Path()) -> Path:
         """The path of a model file: as named, beside the world file, or in a folder of models.
