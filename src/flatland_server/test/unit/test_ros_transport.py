@@ -133,7 +133,7 @@ def holding():
     outbox = RecordedOutbox()
     events = outbox.events
     transport = RosTransport(
-        RospyCalls(outbox=outbox, send_bytes=lambda _, data: events.append("message"))
+        RospyCalls(outbox=outbox, send_framed=lambda _, data: events.append("message"))
     )
     transport.before_sending = lambda: events.append("clock")
     transport.process(0.0)

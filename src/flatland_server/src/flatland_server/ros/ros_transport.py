@@ -19,6 +19,7 @@ from flatland_server.geometry import Transform
 from flatland_server.ros import raw_messages
 from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.rospy_patches import RospyCalls
+from flatland_server.ros.rospy_patches.public_rospy import LENGTH
 from flatland_server.ros.subscriber_counter import SubscriberCounter
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.arrivals import Arrival
@@ -186,7 +187,7 @@ class RosTransport(ServedTransport):
         if message:
             if not self._outbox.is_open:
                 self.before_sending()
-            self.rospy_calls.send_bytes(self._tf, message)
+            self.rospy_calls.send_framed(self._tf, LENGTH.pack(len(message)) + message)
         outbox = self._outbox
         if outbox.is_due() if outbox.is_open else not outbox.is_empty():
             self.release()
@@ -216,7 +217,7 @@ class _RosPublisher(Publisher):
         self._name = name
         self._outbox = transport.rospy_calls.outbox
         self._is_connected = transport.rospy_calls.is_connected
-        self._send_bytes = transport.rospy_calls.send_bytes
+        self._send_framed = transport.rospy_calls.send_framed
 
     @property
     def has_subscribers(self) -> bool:
@@ -231,7 +232,8 @@ class _RosPublisher(Publisher):
         if self._is_connected(self._publisher):
             if not self._outbox.is_open:
                 self._transport.before_sending()
-            self._send_bytes(self._publisher, writer.data(*values))
+            data = writer.data(*values)
+            self._send_framed(self._publisher, LENGTH.pack(len(data)) + data)
 
     def step_message(self, message: BodyMessage) -> Optional[StepMessage]:
         return self._outbox.step_message(self._publisher, message)

@@ -40,12 +40,6 @@ class _SerializedMessage(rospy.AnyMsg):  # type: ignore[misc]
         buff.write(self._data)
 
 
-def send_bytes(publisher: rospy.Publisher, data: bytes) -> None:
-    """Publishes a serialized message."""
-    if publisher.get_num_connections():
-        publisher.publish(_SerializedMessage(data))
-
-
 class Outbox:
     """Holds messages back, so that many of a connection are sent in one call.
 
@@ -86,7 +80,8 @@ def send_framed(publisher: rospy.Publisher, framed: bytes) -> None:
     while begin < len(framed):
         (length,) = LENGTH.unpack_from(framed, begin)
         begin += LENGTH.size
-        send_bytes(publisher, framed[begin : begin + length])
+        if publisher.get_num_connections():
+            publisher.publish(_SerializedMessage(framed[begin : begin + length]))
         begin += length
 
 
@@ -99,8 +94,8 @@ class RospyCalls:
 
     Attributes:
         is_connected: returns whether a topic has a subscriber.
-        send_bytes: publishes a serialized message; not for latched topics.
-        send_framed: publishes one or more serialized messages, each preceded by its length.
+        send_framed: publishes one or more serialized messages, each preceded by its length; not for
+            latched topics.
         outbox: holds the messages of connections back, if it can.
         batch_registration: within this context, topics and services may be registered with the
             master later, together, at its end.
@@ -113,7 +108,6 @@ class RospyCalls:
     """
 
     is_connected: Callable[[rospy.Publisher], bool] = is_connected
-    send_bytes: Callable[[rospy.Publisher, bytes], None] = send_bytes
     send_framed: Callable[[rospy.Publisher, bytes], None] = send_framed
     outbox: Outbox = _NO_OUTBOX
     batch_registration: Callable[[], ContextManager[None]] = nullcontext
