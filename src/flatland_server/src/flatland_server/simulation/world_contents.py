@@ -156,7 +156,7 @@ class WorldContents:
         layer.add_walls(segments)
         if not self._comes_with_another:
             self.added.add_walls(self.layers.index(layer), segments)
-        self.plugins.refresh(layer)
+        self.plugins.contacts.refresh(layer)
 
     @property
     def _comes_with_another(self) -> bool:
