@@ -11,7 +11,6 @@ from typing import (
     NamedTuple,
     Optional,
     Sequence,
-    Set,
     Tuple,
     Type,
     TypeVar,
@@ -29,8 +28,9 @@ from flatland_server.plugins.plugin_factory import PluginFactory
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.plugins.schedule import NO_CALLS, Schedule, Work
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.transport.frame_registry import OdometryFrame
+from flatland_server.transport.frame_registry import FrameRegistry
 from flatland_server.transport.node import Node
+from flatland_server.transport.topic_registry import TopicRegistry
 from flatland_server.transport.transport import Transport
 
 logger = logging.getLogger(__name__)
@@ -87,6 +87,8 @@ class PluginManager:
         revision: counts the changes of plugins; the world's, which may get another manager.
 
     Attributes:
+        frames: the frames that running plugins have claimed.
+        topics: the topics of running plugins.
         contacts: calls the contact hooks.
         schedule: tells the step hooks that are due.
         plan: the time until which no step hook or contact hook is to be called, if known.
@@ -102,8 +104,10 @@ class PluginManager:
         revision: PluginRevision,
     ) -> None:
         self._transport = transport
-        self._root_node = Node(transport)
-        self._factory = PluginFactory(self._root_node, loader, seed)
+        self.frames = FrameRegistry()
+        self.topics = TopicRegistry(transport)
+        root_node = Node(transport, frames=self.frames, topics=self.topics)
+        self._factory = PluginFactory(root_node, loader, seed)
         self._plugins: Dict[str, List[Plugin]] = {}  # by the model's name; "" is the world
         self._failures: Dict[Plugin, PluginFailure] = {}
         self.contacts = ContactDispatcher(physics, entities, self._call)
@@ -138,16 +142,6 @@ class PluginManager:
     def plugins_of(self, model_name: str) -> List[Plugin]:
         """The plugins of a model, or of the world if the name is empty; also those that failed."""
         return list(self._plugins.get(model_name, []))
-
-    @property
-    def odometry_frames(self) -> Set[OdometryFrame]:
-        """The frames of odometry that running plugins have claimed."""
-        return self._root_node.odometry_frames
-
-    @property
-    def topics(self) -> Dict[str, str]:
-        """The types of the topics that running plugins have, by their absolute names."""
-        return self._root_node.topic_types
 
     @property
     def failures(self) -> List[PluginFailure]:
@@ -260,7 +254,7 @@ class PluginManager:
 
     def publish_now(self, topic: str, timekeeper: Timekeeper) -> None:
         """Calls `Plugin.publish_now` of the running plugins that publish a topic."""
-        owners = self._root_node.owners_of(topic)
+        owners = self.topics.owners_of(topic)
         for _, plugin in self.all_plugins():
             if plugin.node.owner in owners and plugin not in self._failures:
                 self._call(plugin, "publish_now", plugin.publish_now, timekeeper)

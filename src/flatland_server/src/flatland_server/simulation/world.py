@@ -471,12 +471,12 @@ class World:
     @property
     def topics(self) -> Dict[str, str]:
         """The types of the topics that plugins publish or subscribe to, by their absolute names."""
-        return self.contents.plugins.topics
+        return self.contents.plugins.topics.types
 
     @property
     def odometry_frames(self) -> Set[OdometryFrame]:
         """The frames from which drives publish transforms to their bodies, such as "odom"."""
-        return self.contents.plugins.odometry_frames
+        return self.contents.plugins.frames.odometry_frames
 
     @property
     def plugin_count(self) -> int:
