@@ -18,7 +18,7 @@ from flatland_server.geometry import Transform
 from flatland_server.transport.static_transforms import TOPIC as TF_STATIC
 from flatland_server.transport.static_transforms import StaticTransforms
 from flatland_server.transport.tap import Tap
-from flatland_server.transport.transport import MessageWriter, Publisher, Subscription, Transport
+from flatland_server.transport.transport import Publisher, Subscription, Transport
 
 
 class LocalTransport(Transport):
@@ -259,10 +259,6 @@ class _LocalPublisher(Publisher):
                 transport.activity += 1
         if transport._taps:
             transport._pass_on(self._topic, message, self.is_latched)
-
-    def write(self, writer: MessageWriter, *values: Any) -> None:
-        if self.has_subscribers:
-            self.publish(writer.message(*values))
 
     def close(self) -> None:
         if self._is_closed:

@@ -61,13 +61,14 @@ class Publisher(ABC):
     def write(self, writer: MessageWriter, *values: Any) -> None:
         """Publishes the message that a writer makes of values, in this transport's fastest form.
 
-        A transport may skip it if the topic has no subscriber.
+        Does nothing if the topic has no subscriber.
 
         Args:
             writer: makes a message of values, or its bytes.
             values: arguments of the writer.
         """
-        self.publish(writer.message(*values))
+        if self.has_subscribers:
+            self.publish(writer.message(*values))
 
     def step_message(self, message: BodyMessage) -> Optional[StepMessage]:
         """A message that the core writes to the present subscribers at each step.
