@@ -3,13 +3,13 @@
 import logging
 from contextlib import contextmanager
 from functools import partial
-from typing import Any, Callable, Dict, Iterator, List, Optional, TypeVar
+from typing import Any, Callable, Dict, Iterator, List, Optional, Tuple, TypeVar
 
 from flatland_server.exceptions import FlatlandError, ModelError, shortened
 from flatland_server.geometry import Pose
 from flatland_server.hub.client_edits import Edit
 from flatland_server.hub.client_files import EntryError
-from flatland_server.hub.hub import Hub
+from flatland_server.hub.hub import Action, Hub
 from flatland_server.hub.map_to_odom import FRAME_ID
 from flatland_server.messages.conversions import yaw_of
 from flatland_server.messages.message_types import get
@@ -22,6 +22,9 @@ logger = logging.getLogger(__name__)
 MarkerArray = get("visualization_msgs/MarkerArray")
 
 T = TypeVar("T")
+
+_Source = Callable[[Any], ModelSource]
+"""Finds the model that a request of SpawnModel names."""
 
 _NOT_REGISTERED = "spawned; its topics can be used when the ROS master answers"
 
@@ -45,11 +48,11 @@ class ModelServices:
         self._transport = hub.transport
         self._files = hub.files
         self._streamed: Optional[Edit] = None  # by messages
-        actions = {
-            "spawn_model": ("SpawnModel", self._spawn_model),
-            "spawn_model_from_string": ("SpawnModel", self._spawn_from_string),
-            "spawn_models": ("SpawnModels", self._spawn_models),
-            "spawn_models_from_string": ("SpawnModels", self._spawn_all_from_string),
+        actions: Dict[str, Tuple[str, Action]] = {
+            "spawn_model": ("SpawnModel", partial(self._spawn_model, self._file)),
+            "spawn_model_from_string": ("SpawnModel", partial(self._spawn_model, _text)),
+            "spawn_models": ("SpawnModels", partial(self._spawn_models, self._file)),
+            "spawn_models_from_string": ("SpawnModels", partial(self._spawn_models, _text)),
             "delete_model": ("DeleteModel", self._delete_model),
             "delete_models": ("DeleteModels", self._delete_models),
             "move_model": ("MoveModel", self._move_model),
@@ -67,27 +70,21 @@ class ModelServices:
                 partial(self._obey_initial_pose, initial_pose),
             )
 
-    def _spawn_model(self, request: Any) -> Dict[str, Any]:
-        return {"message": self._spawn(lambda: self._read(request, self._file), self._add_one)}
+    def _spawn_model(self, source: _Source, request: Any) -> Dict[str, Any]:
+        return {"message": self._spawn(lambda: self._read(request, source), self._add_one)}
 
-    def _spawn_from_string(self, request: Any) -> Dict[str, Any]:
-        return {"message": self._spawn(lambda: self._read(request, _text), self._add_one)}
-
-    def _spawn_models(self, request: Any) -> Dict[str, Any]:
-        return {"message": self._spawn(lambda: self._read_all(request, self._file), self._add_all)}
-
-    def _spawn_all_from_string(self, request: Any) -> Dict[str, Any]:
-        return {"message": self._spawn(lambda: self._read_all(request, _text), self._add_all)}
+    def _spawn_models(self, source: _Source, request: Any) -> Dict[str, Any]:
+        return {"message": self._spawn(lambda: self._read_all(request, source), self._add_all)}
 
     def _file(self, model: Any) -> ModelSource:
         return self._files.model_file(model.yaml_path)
 
-    def _read(self, model: Any, source: Callable[[Any], ModelSource]) -> ModelEntry:
+    def _read(self, model: Any, source: _Source) -> ModelEntry:
         """Reads a model, which has the fields of a request of SpawnModel."""
         pose = _to_pose(model.pose)
         return self._world.read_model_entry(source(model), model.name, model.ns, pose)
 
-    def _read_all(self, request: Any, source: Callable[[Any], ModelSource]) -> List[ModelEntry]:
+    def _read_all(self, request: Any, source: _Source) -> List[ModelEntry]:
         entries = []
         for index, model in enumerate(request.models):
             with _naming_entry("models", index, model.name):
