@@ -6,7 +6,6 @@ from typing import Any, Callable, Iterable, List, NamedTuple
 
 from flatland_server.geometry import Pose, quaternion
 from flatland_server.messages.message_types import get
-from flatland_server.messages.prepared_message import PreparedMessage
 
 Header = get("std_msgs/Header")
 Marker = get("visualization_msgs/Marker")
@@ -15,8 +14,16 @@ MarkerArray = get("visualization_msgs/MarkerArray")
 _POSE = struct.Struct("<7d")
 
 
-class SerializedMarkerArray(PreparedMessage, MarkerArray):  # type: ignore[misc, valid-type]
+class SerializedMarkerArray(MarkerArray):  # type: ignore[misc, valid-type]
     """A MarkerArray that is serialized already."""
+
+    def __init__(self, data: bytes) -> None:
+        super().__init__()
+        self._data = data
+
+    def serialize(self, buff: Any) -> None:
+        """Writes the array into a buffer; called by rospy."""
+        buff.write(self._data)
 
 
 class LazyMarkerArray(MarkerArray):  # type: ignore[misc, valid-type]
