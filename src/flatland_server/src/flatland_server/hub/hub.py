@@ -132,6 +132,20 @@ class Hub:
             service_type = get_service(kind) if isinstance(kind, str) else kind
             self.services[name] = Service(service_type, action)
 
+    def call(self, name: str, /, **fields: Any) -> None:
+        """Calls a service, on this thread; its response is left out.
+
+        Args:
+            name: the service's name.
+            fields: of the request.
+
+        Raises:
+            FlatlandError: it fails.
+            ValueError: it fails.
+        """
+        service = self.services[name]
+        service.action(service.type.request(**fields))
+
     def obey(self, topic: str, kind: str, action: Callable[[Any], None]) -> None:
         """Subscribes to a topic of requests. An error is a warning, once for equal ones in a row.
 
