@@ -1,29 +1,19 @@
 """The operations that patches replace, here through rospy's public interface."""
 
 import struct
-from abc import ABC, abstractmethod
 from contextlib import nullcontext
 from dataclasses import dataclass
-from typing import Any, Callable, ContextManager, Optional
+from typing import TYPE_CHECKING, Any, Callable, ContextManager, Optional
 
 import rospy
 
 from flatland_server._core import BodyMessage, StepMessage
 
+if TYPE_CHECKING:
+    from flatland_server.ros.rospy_patches.local_time import LocalTime
+
 LENGTH = struct.Struct("<I")
 """Precedes each message on a TCPROS connection: the message's size [bytes]."""
-
-
-class LocalTime(ABC):
-    """This process's simulated time, set without the detour over /clock."""
-
-    @abstractmethod
-    def set(self, seconds: int, nanoseconds: int) -> None:
-        """Sets what `rospy.Time.now()` returns."""
-
-    @abstractmethod
-    def notify(self) -> None:
-        """Wakes the threads of this process that wait for a time."""
 
 
 def is_connected(publisher: rospy.Publisher) -> bool:
@@ -112,5 +102,5 @@ class RospyCalls:
     outbox: Outbox = _NO_OUTBOX
     batch_registration: Callable[[], ContextManager[None]] = nullcontext
     wait_until_registered: Callable[[float], bool] = lambda limit: True
-    take_over_time: Callable[[], Optional[LocalTime]] = lambda: None
+    take_over_time: Callable[[], "Optional[LocalTime]"] = lambda: None
     forget_latched: Optional[Callable[[rospy.Publisher], None]] = None
