@@ -24,7 +24,7 @@ from flatland_server.messages.definition import (
     split_full_text,
 )
 from flatland_server.messages.field_forms import wire_form
-from flatland_server.messages.message import base_classes, make_class
+from flatland_server.messages.message import Message, make_class
 from flatland_server.messages.standard_definitions import standard_definitions
 from flatland_server.messages.wire_form import Reader, WireForm
 
@@ -148,7 +148,8 @@ class MessageTypes:
         used = self._all_used(name)
         return make_class(
             definition,
-            base_classes(self._genpy.Message if self._genpy else None),
+            # rospy publishes only what is derived from genpy's.
+            (Message, self._genpy.Message) if self._genpy else (Message,),
             self._factory,
             self._wire_form(name),
             restore,
