@@ -46,9 +46,9 @@ class Diagnostics:
         manager, world = self._manager, self._manager.world
         values: Dict[str, object] = {
             "simulated time [s]": f"{manager.timekeeper.seconds:.3f}",
-            "times real time": f"{manager.real_time_factor:.2f}",
+            "times real time": f"{manager.pacer.real_time_factor:.2f}",
         }
-        periods = sorted(manager.step_periods)
+        periods = sorted(manager.pacer.step_periods)
         if periods:
             values["step period, median [ms]"] = f"{_percentile(periods, 50) * 1e3:.3f}"
             values["step period, 99th percentile [ms]"] = f"{_percentile(periods, 99) * 1e3:.3f}"

@@ -237,7 +237,7 @@ class WorldContents:
             with self.deferred.lock:
                 self.plugins.stop_all()
         finally:
-            self.deferred.clear()
+            self.deferred.pending.clear()
 
     def discard(self) -> None:
         """Stops all plugins and removes all bodies: handles to them raise from now on."""
