@@ -9,7 +9,6 @@ from typing import Any, Callable, Dict, List, Tuple
 import numpy as np
 
 from flatland_server.arrays import Segments
-from flatland_server.messages.layer_walls import walls_of
 from flatland_server.messages.message_types import get
 from flatland_server.messages.serialized_markers import (
     LazyMarkerArray,
@@ -17,7 +16,7 @@ from flatland_server.messages.serialized_markers import (
     array_of,
     delete_all,
 )
-from flatland_server.messages.wall_markers import flat_walls, upright_walls
+from flatland_server.messages.wall_markers import flat_walls, upright_walls, walls_of
 from flatland_server.models.layer import Layer, LayerConfig
 from flatland_server.transport.transport import Publisher, Transport
 

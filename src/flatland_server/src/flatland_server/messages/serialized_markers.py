@@ -6,6 +6,7 @@ from typing import Any, Callable, Iterable, List, NamedTuple
 
 from flatland_server.geometry import Pose, quaternion
 from flatland_server.messages.message_types import get
+from flatland_server.messages.wire_form import LENGTH
 
 Header = get("std_msgs/Header")
 Marker = get("visualization_msgs/Marker")
@@ -55,7 +56,7 @@ class MarkerBytes(NamedTuple):
 def array_of(parts: Iterable[MarkerBytes]) -> SerializedMarkerArray:
     """One message with the markers of all parts."""
     parts = list(parts)
-    length = struct.pack("<I", sum(part.number for part in parts))
+    length = LENGTH.pack(sum(part.number for part in parts))
     return SerializedMarkerArray(length + b"".join(part.data for part in parts))
 
 

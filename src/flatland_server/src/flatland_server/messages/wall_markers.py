@@ -1,18 +1,24 @@
-"""The walls of a layer as one marker, serialized from an array of perhaps a million points."""
+"""The walls of layers: markers for rviz, and flatland_msgs/Walls for the window.
 
-import struct
-from typing import Any
+They are serialized from arrays of perhaps a million points.
+"""
+
+from typing import Any, Callable, List, Tuple
 
 import numpy as np
 
 from flatland_server.arrays import FloatArray, Segments
 from flatland_server.messages.message_types import get
 from flatland_server.messages.serialized_markers import MarkerBytes, serialized
+from flatland_server.messages.wire_form import LENGTH
 from flatland_server.models.layer import LayerConfig
 
+ColorRGBA = get("std_msgs/ColorRGBA")
+Header = get("std_msgs/Header")
+LayerWalls = get("flatland_msgs/LayerWalls")
 Marker = get("visualization_msgs/Marker")
 Point = get("geometry_msgs/Point")
-ColorRGBA = get("std_msgs/ColorRGBA")
+Walls = get("flatland_msgs/Walls")
 
 _WALL_WIDTH = 0.05  # m
 _NONE = MarkerBytes(0, b"")
@@ -78,6 +84,49 @@ def _with_points(marker: Any, points: FloatArray) -> MarkerBytes:
     marker.points = [Point()]
     one_point = serialized([marker]).data
     begin = next(i for i, (a, b) in enumerate(zip(empty, one_point)) if a != b)
-    length = struct.pack("<I", len(points))
+    length = LENGTH.pack(len(points))
     data = np.ascontiguousarray(points, "<f8").data.cast("B")
     return MarkerBytes(1, b"".join([empty[:begin], length, data, empty[begin + 4 :]]))
+
+
+class LazyWalls(Walls):  # type: ignore[misc, valid-type]
+    """A Walls message that is serialized when it is sent, hence never without subscribers.
+
+    Args:
+        write: writes the serialized message into a buffer. rospy calls it on a thread of its own
+            when a subscriber connects to a latched topic, so it must not read what the simulation
+            changes.
+    """
+
+    __slots__ = ["_write"]
+
+    def __init__(self, write: Callable[[Any], None]) -> None:
+        super().__init__()
+        self._write = write
+
+    def serialize(self, buff: Any) -> None:
+        """Writes the message into a buffer; called by rospy."""
+        self._write(buff)
+
+
+def walls_of(layers: List[Tuple[LayerConfig, Segments]], frame_id: str) -> LazyWalls:
+    """The walls of layers, to be serialized later.
+
+    Args:
+        layers: their entries, and segments of shape (n, 4), x1, y1, x2, y2 [m].
+        frame_id: the world's frame id.
+    """
+
+    def write(buff: Any) -> None:
+        Header(frame_id=frame_id).serialize(buff)
+        buff.write(LENGTH.pack(len(layers)))
+        for config, segments in layers:
+            # Without segments, their number is the last field.
+            LayerWalls(
+                name=config.names[0], color=ColorRGBA(*config.color), encloses=config.encloses
+            ).serialize(buff)
+            buff.seek(-LENGTH.size, 1)
+            buff.write(LENGTH.pack(segments.size))
+            buff.write(segments.astype("<f4").data.cast("B"))
+
+    return LazyWalls(write)
