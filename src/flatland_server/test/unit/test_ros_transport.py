@@ -19,6 +19,7 @@ from flatland_server.transport.node import Node
 def test_a_signal_may_end_it_at_any_point():
     """Python runs signal handlers where it calls functions; a profiler runs there too."""
     transport = RosTransport()
+    transport.post(lambda: None)
     interrupted = set()
 
     def interrupt(frame, _event, _argument):

@@ -5,8 +5,6 @@ thread when that calls `process`, so that a plugin never sees a half-stepped wor
 """
 
 import logging
-import threading
-import time
 from collections import Counter, deque
 from typing import Any, Callable, ContextManager, Deque, Dict, Mapping, Optional, Sequence, Tuple
 from typing import Counter as CounterType
@@ -16,10 +14,10 @@ from tf2_msgs.msg import TFMessage
 
 from flatland_server._core import BodyMessage, StepMessage
 from flatland_server.geometry import Transform
+from flatland_server.messages.wire_form import LENGTH
 from flatland_server.ros import raw_messages
 from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.rospy_patches import RospyCalls
-from flatland_server.ros.rospy_patches.public_rospy import LENGTH
 from flatland_server.ros.subscriber_counter import SubscriberCounter
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.arrivals import Arrival
@@ -63,7 +61,6 @@ class RosTransport(ServedTransport):
         """Called before messages are sent and callbacks are run, to send what must arrive first."""
         self._outbox = rospy_calls.outbox
         self._waiting: Deque[Callable[[], None]] = deque()
-        self._arrival = threading.Event()
         self._transforms = TransformQueue()
         self._subscriber_counter = SubscriberCounter()
         self.publisher_counts: CounterType[str] = Counter()
@@ -132,20 +129,12 @@ class RosTransport(ServedTransport):
     def process(self, timeout: float = 0.0) -> None:
         self.has_started = True
         if self._waiting:
-            self._run_callbacks()
+            self._run_posted()
         if timeout <= 0.0:  # at full speed, this is called at each step
             self._outbox.is_open = self._outbox.can_hold
             return
         self.release()
-        deadline = time.monotonic() + timeout
-        remaining = timeout
-        while remaining > 0.0 and not self.is_ending:
-            self._arrival.wait(remaining)
-            self._arrival.clear()
-            self._run_callbacks()
-            if self.returns_on_arrival:
-                return
-            remaining = deadline - time.monotonic()
+        self._run_for(timeout)
 
     def end(self) -> None:
         """Makes the simulation end after the current wait of `process`; for any thread.
@@ -201,7 +190,7 @@ class RosTransport(ServedTransport):
         self.before_sending()
         self._outbox.send()
 
-    def _run_callbacks(self) -> None:
+    def _run_posted(self) -> None:
         self.release()
         while self._waiting and not self.is_ending:
             try:
