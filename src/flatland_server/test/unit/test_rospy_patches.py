@@ -11,12 +11,11 @@ import pytest
 import rospy
 from rosgraph_msgs.msg import Clock
 
-from flatland_server.messages.wire_form import serialized
+from flatland_server.messages.wire_form import LENGTH, serialized
 from flatland_server.ros import rospy_patches
 from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.rospy_patches import PATCHES, RospyCalls, install
-from flatland_server.ros.rospy_patches.public_rospy import LENGTH
 from flatland_server.ros.rospy_patches.rospy_checks import Requirement
 from flatland_server.timekeeper import Timekeeper
 

@@ -1,6 +1,5 @@
 """The operations that patches replace, here through rospy's public interface."""
 
-import struct
 from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable, ContextManager, Optional
@@ -8,12 +7,10 @@ from typing import TYPE_CHECKING, Any, Callable, ContextManager, Optional
 import rospy
 
 from flatland_server._core import BodyMessage, StepMessage
+from flatland_server.messages.wire_form import LENGTH
 
 if TYPE_CHECKING:
     from flatland_server.ros.rospy_patches.local_time import LocalTime
-
-LENGTH = struct.Struct("<I")
-"""Precedes each message on a TCPROS connection: the message's size [bytes]."""
 
 
 def is_connected(publisher: rospy.Publisher) -> bool:

@@ -23,7 +23,7 @@ from typing import Any, Callable, Dict, List, Tuple
 
 from rospy.impl import registration, tcpros_base
 
-from flatland_server.ros.rospy_patches.public_rospy import LENGTH
+from flatland_server.messages.wire_form import LENGTH
 from flatland_server.ros.rospy_patches.rospy_checks import Requirement, check_all
 
 REQUIREMENTS = (
