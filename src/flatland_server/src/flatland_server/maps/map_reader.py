@@ -173,7 +173,18 @@ class MapConfig:
         return {"segments": self._lines()[0], "scale": self.scale, "origin": origin}
 
     def walls(self, simplify_map: int = 0) -> Segments:
-        """The walls of the map, in the world; see `read_map`."""
+        """The walls of the map, in the world.
+
+        Args:
+            simplify_map: how much outlines of images are simplified: an index of
+                `simplify_outlines.TOLERANCES`; 0 leaves them as they are.
+
+        Returns:
+            Wall segments [m]: shape (n, 4), x1, y1, x2, y2. Read-only.
+
+        Raises:
+            YamlError: something in the image or the data is wrong.
+        """
         numbers = None
         with log_if_slow(f"{self.path}: reading walls takes a while ..."):
             if self.is_image:
@@ -219,26 +230,6 @@ class MapConfig:
             assert self.lines is not None
             return self.lines, None
         return read_line_segments(self.source)
-
-
-def read_map(
-    path: Path, preprocessor: Optional[YamlPreprocessor] = None, simplify_map: int = 0
-) -> Segments:
-    """The walls of a map, in the world.
-
-    Args:
-        path: of the map's YAML file.
-        preprocessor: evaluates the file's expressions, with their parameters.
-        simplify_map: how much outlines of images are simplified: an index of
-            `simplify_outlines.TOLERANCES`; 0 leaves them as they are.
-
-    Returns:
-        Wall segments [m]: shape (n, 4), x1, y1, x2, y2. Read-only.
-
-    Raises:
-        YamlError: something in the file, or in the image or data that it names, is wrong.
-    """
-    return MapConfig.from_file(path, preprocessor).walls(simplify_map)
 
 
 def read_image(path: Path, to_pixels: Callable[["Image.Image"], T]) -> T:

@@ -107,7 +107,7 @@ class World:
             path: path of the world file.
             transport: as for the class.
             seed: as for the class.
-            simplify_map: how much the outlines of map images are simplified; see `read_map`.
+            simplify_map: how much the outlines of map images are simplified; see `MapConfig.walls`.
             loader: as for the class.
             model_folders: where model files are looked up that are not beside the world file, also
                 those that are spawned later.

@@ -66,7 +66,7 @@ class WorldConfig:
         model_folders: where the names of model files are looked up: the world's folder, and those
             of models.
         path: the world file, if it was read from one.
-        simplify_map: how much the outlines of map images were simplified; see `read_map`.
+        simplify_map: how much the outlines of map images were simplified; see `MapConfig.walls`.
         read_at: when reading it again began [s of time.monotonic]; 0 for a server's first world.
         seed: of the world, if its files have random numbers (math.random).
         with_seed: reads those files with another seed, as they were; None without random numbers.
@@ -102,7 +102,7 @@ class WorldConfig:
         Args:
             path: path of the world file.
             preprocessor: evaluates expressions in the files.
-            simplify_map: how much the outlines of map images are simplified; see `read_map`.
+            simplify_map: how much the outlines of map images are simplified; see `MapConfig.walls`.
             model_folders: where model files are looked up that are not beside the world file.
 
         Raises:
