@@ -5,7 +5,7 @@
 
 import logging
 from functools import partial
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple, Union
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple, TypeVar, Union
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.hub.client_edits import ClientEdits
@@ -18,6 +18,8 @@ from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.transport.served_transport import ServedTransport
 
 logger = logging.getLogger(__name__)
+
+T = TypeVar("T")
 
 Action = Callable[[Any], Optional[Dict[str, Any]]]
 """Called with a request, on any thread. Returns fields of the response; `success` is set for it."""
@@ -145,6 +147,23 @@ class Hub:
         """
         service = self.services[name]
         service.action(service.type.request(**fields))
+
+    def change(self, action: Callable[[], T]) -> T:
+        """Changes the world on the simulation's thread, between two steps; returns the result.
+
+        Clients can use its new topics then.
+
+        Args:
+            action: opens and closes topics, which are registered together.
+        """
+
+        def change() -> T:
+            with self.transport.registration():
+                return action()
+
+        result = self.transport.call(change)
+        self.transport.wait_until_registered()
+        return result
 
     def obey(self, topic: str, kind: str, action: Callable[[Any], None]) -> None:
         """Subscribes to a topic of requests. An error is a warning, once for equal ones in a row.

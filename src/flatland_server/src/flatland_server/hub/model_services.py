@@ -43,6 +43,7 @@ class ModelServices:
     """
 
     def __init__(self, hub: Hub, initial_pose: str = "") -> None:
+        self._hub = hub
         self._world = hub.world
         self._edits = hub.edits
         self._transport = hub.transport
@@ -134,8 +135,7 @@ class ModelServices:
         return "; ".join(filter(None, warnings))
 
     def _delete_model(self, request: Any) -> None:
-        self._transport.call(lambda: self._edits.delete([self._world.get_model(request.name).name]))
-        self._transport.wait_until_registered()
+        self._hub.change(lambda: self._edits.delete([self._world.get_model(request.name).name]))
 
     def _delete_models(self, request: Any) -> None:
         def delete() -> None:
@@ -146,8 +146,7 @@ class ModelServices:
                         raise ModelError("the name is given twice")
             self._edits.delete(request.name)
 
-        self._transport.call(delete)
-        self._transport.wait_until_registered()
+        self._hub.change(delete)
 
     def _move_model(self, request: Any) -> None:
         pose = _to_pose(request.pose)
@@ -170,13 +169,7 @@ class ModelServices:
         self._edits.move(name, Pose(x, y, yaw))
 
     def _revert(self, done: str, action: Callable[[], str]) -> Dict[str, Any]:
-        def revert() -> str:
-            with self._transport.registration():
-                return action()
-
-        text = self._transport.call(revert)
-        self._transport.wait_until_registered()
-        return {"message": f"{done}: {text}"}
+        return {"message": f"{done}: {self._hub.change(action)}"}
 
     def _get_markers(self, request: Any) -> Dict[str, Any]:
         markers = preview(self._world.read_model(self._files.model_file(request.yaml_path)))
