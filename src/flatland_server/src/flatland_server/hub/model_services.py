@@ -10,8 +10,7 @@ from flatland_server.geometry import Pose
 from flatland_server.hub.client_edits import Edit
 from flatland_server.hub.client_files import EntryError
 from flatland_server.hub.hub import Action, Hub
-from flatland_server.hub.map_to_odom import FRAME_ID
-from flatland_server.messages.conversions import yaw_of
+from flatland_server.messages.conversions import FRAME_ID, yaw_of
 from flatland_server.messages.message_types import get
 from flatland_server.messages.model_markers import preview
 from flatland_server.models.model import ModelText

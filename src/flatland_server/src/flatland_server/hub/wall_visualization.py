@@ -11,10 +11,10 @@ import numpy as np
 from flatland_server.arrays import Segments
 from flatland_server.messages.message_types import get
 from flatland_server.messages.serialized_markers import (
+    DELETE_ALL,
     LazyMarkerArray,
     MarkerBytes,
     array_of,
-    delete_all,
 )
 from flatland_server.messages.wall_markers import flat_walls, upright_walls, walls_of
 from flatland_server.models.layer import Layer, LayerConfig
@@ -34,10 +34,9 @@ class WallVisualization:
     `~debug/walls` has the same as flatland_msgs/Walls.
     """
 
-    def __init__(self, layers: List[Layer], frame_id: str, transport: Transport) -> None:
+    def __init__(self, layers: List[Layer], transport: Transport) -> None:
         self._transport = transport
         self._layers: List[Layer] = []
-        self._frame_id = frame_id
         self._shown: Dict[str, Tuple[Layer, Segments]] = {}
         self._all = self._latched("layers", MarkerArray)
         self._compact = self._latched("walls", Walls)
@@ -76,7 +75,7 @@ class WallVisualization:
         if changed or has_other_topics:
             walls = [(layer.config, layer.segments) for layer in layers]
             self._all.publish(self._as_markers(walls))
-            self._compact.publish(walls_of(walls, self._frame_id))
+            self._compact.publish(walls_of(walls))
         return has_other_topics
 
     def publish_again(self) -> None:
@@ -90,7 +89,7 @@ class WallVisualization:
             return False
         former = [*self._flat.values(), *self._upright.values()]
         for publisher in former:
-            publisher.publish(array_of([delete_all(self._frame_id)]))
+            publisher.publish(array_of([DELETE_ALL]))
         self._flat = {name: self._latched(f"layer/{name}", MarkerArray) for name in names}
         self._upright = {}
         for name in names:
@@ -117,20 +116,16 @@ class WallVisualization:
         return not (is_same and np.array_equal(walls, layer.segments))
 
     def _message(
-        self, make: Callable[[LayerConfig, Segments, str], MarkerBytes], layer: Layer
+        self, make: Callable[[LayerConfig, Segments], MarkerBytes], layer: Layer
     ) -> LazyMarkerArray:
-        config, segments, frame_id = layer.config, layer.segments, self._frame_id
-        return LazyMarkerArray(lambda: array_of([make(config, segments, frame_id)]))
+        config, segments = layer.config, layer.segments
+        return LazyMarkerArray(lambda: array_of([make(config, segments)]))
 
     def _as_markers(self, walls: List[Tuple[LayerConfig, Segments]]) -> LazyMarkerArray:
-        frame_id = self._frame_id
-
-        def make() -> Any:
-            # A viewer may still show the walls of another world.
-            begin = delete_all(frame_id)
-            return array_of([begin, *(flat_walls(*each, frame_id) for each in walls)])
-
-        return LazyMarkerArray(make)
+        # A viewer may still show the walls of another world.
+        return LazyMarkerArray(
+            lambda: array_of([DELETE_ALL, *(flat_walls(*each) for each in walls)])
+        )
 
     def _latched(self, topic: str, message_type: Any) -> Publisher:
         name = f"{self._transport.node_name}/debug/{topic}"

@@ -5,6 +5,7 @@ from io import BytesIO
 from typing import Any, Callable, Iterable, List, NamedTuple
 
 from flatland_server.geometry import Pose, quaternion
+from flatland_server.messages.conversions import FRAME_ID
 from flatland_server.messages.message_types import get
 from flatland_server.messages.wire_form import LENGTH
 
@@ -68,14 +69,9 @@ def serialized(markers: List[Any]) -> MarkerBytes:
     return MarkerBytes(len(markers), buffer.getvalue())
 
 
-def delete_all(frame_id: str) -> MarkerBytes:
-    """A marker at which rviz deletes all markers of the topic.
-
-    Args:
-        frame_id: any known frame: without one, rviz would process the marker before those that it
-            is to delete.
-    """
-    return serialized([Marker(action=Marker.DELETEALL, header=Header(frame_id=frame_id))])
+# Without a known frame, rviz would process it before those that it is to delete.
+DELETE_ALL = serialized([Marker(action=Marker.DELETEALL, header=Header(frame_id=FRAME_ID))])
+"""A marker at which rviz deletes all markers of the topic."""
 
 
 class MovingMarkers:

@@ -8,6 +8,7 @@ from typing import Any, Callable, List, Tuple
 import numpy as np
 
 from flatland_server.arrays import FloatArray, Segments
+from flatland_server.messages.conversions import FRAME_ID
 from flatland_server.messages.message_types import get
 from flatland_server.messages.serialized_markers import MarkerBytes, serialized
 from flatland_server.messages.wire_form import LENGTH
@@ -24,18 +25,17 @@ _WALL_WIDTH = 0.05  # m
 _NONE = MarkerBytes(0, b"")
 
 
-def flat_walls(config: LayerConfig, segments: Segments, frame_id: str) -> MarkerBytes:
+def flat_walls(config: LayerConfig, segments: Segments) -> MarkerBytes:
     """The walls as lines on the ground; no marker if there are none.
 
     Args:
         config: their layer's config.
         segments: shape (n, 4), x1, y1, x2, y2 [m].
-        frame_id: the world's frame id.
     """
-    return _lines(config, segments, 0.0, frame_id)
+    return _lines(config, segments, 0.0)
 
 
-def upright_walls(config: LayerConfig, segments: Segments, frame_id: str) -> MarkerBytes:
+def upright_walls(config: LayerConfig, segments: Segments) -> MarkerBytes:
     """The walls as rectangles between `min_z` and `max_z`; no marker if there are none.
 
     If `max_z` is not above `min_z`, they are lines at `min_z`. The arguments are those of
@@ -43,27 +43,27 @@ def upright_walls(config: LayerConfig, segments: Segments, frame_id: str) -> Mar
     """
     low, high = config.min_z, config.max_z
     if high <= low:
-        return _lines(config, segments, low, frame_id)
+        return _lines(config, segments, low)
     begin, end = segments[:, :2], segments[:, 2:]
     triangles = (
         *((begin, low), (end, low), (end, high)),
         *((begin, low), (end, high), (begin, high)),
     )
     points = np.stack([_at_height(corner, z) for corner, z in triangles], axis=1)
-    marker = _marker(config, Marker.TRIANGLE_LIST, frame_id)
+    marker = _marker(config, Marker.TRIANGLE_LIST)
     marker.scale.x = marker.scale.y = marker.scale.z = 1.0
     return _with_points(marker, points.reshape(-1, 3))
 
 
-def _lines(config: LayerConfig, segments: Segments, z: float, frame_id: str) -> MarkerBytes:
-    marker = _marker(config, Marker.LINE_LIST, frame_id)
+def _lines(config: LayerConfig, segments: Segments, z: float) -> MarkerBytes:
+    marker = _marker(config, Marker.LINE_LIST)
     marker.scale.x = _WALL_WIDTH
     return _with_points(marker, _at_height(segments.reshape(-1, 2), z))
 
 
-def _marker(config: LayerConfig, type: int, frame_id: str) -> Any:
+def _marker(config: LayerConfig, type: int) -> Any:
     marker = Marker(ns=config.names[0], type=type, action=Marker.ADD)
-    marker.header.frame_id = frame_id
+    marker.header.frame_id = FRAME_ID
     marker.color = ColorRGBA(*config.color)
     marker.pose.orientation.w = 1.0
     return marker
@@ -109,16 +109,15 @@ class LazyWalls(Walls):  # type: ignore[misc, valid-type]
         self._write(buff)
 
 
-def walls_of(layers: List[Tuple[LayerConfig, Segments]], frame_id: str) -> LazyWalls:
+def walls_of(layers: List[Tuple[LayerConfig, Segments]]) -> LazyWalls:
     """The walls of layers, to be serialized later.
 
     Args:
         layers: their entries, and segments of shape (n, 4), x1, y1, x2, y2 [m].
-        frame_id: the world's frame id.
     """
 
     def write(buff: Any) -> None:
-        Header(frame_id=frame_id).serialize(buff)
+        Header(frame_id=FRAME_ID).serialize(buff)
         buff.write(LENGTH.pack(len(layers)))
         for config, segments in layers:
             # Without segments, their number is the last field.
