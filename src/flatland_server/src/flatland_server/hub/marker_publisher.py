@@ -9,6 +9,7 @@ model moves, for new subscribers, and once a second; it is latched while it has 
 """
 
 import time
+from functools import partial
 from typing import Any, Dict, List, Optional
 
 from flatland_server.hub.wall_visualization import WallVisualization
@@ -53,7 +54,7 @@ class MarkerPublisher:
         self._next_full = 0.0
         self._subscriber_revision: object = None
         self._walls_due: List[float] = []  # when they are published again
-        self._walls = WallVisualization(world.layers, transport)
+        self._walls = WallVisualization(world.layers, partial(self._advertise, latch=True))
         self._models: Dict[str, _ModelDisplay] = {}
         self._closing: List[Publisher] = []  # of deleted models
         self._all = self._advertise("models", MarkerArray, latch=False)

@@ -18,7 +18,7 @@ from flatland_server.messages.serialized_markers import (
 )
 from flatland_server.messages.wall_markers import flat_walls, upright_walls, walls_of
 from flatland_server.models.layer import Layer, LayerConfig
-from flatland_server.transport.transport import Publisher, Transport
+from flatland_server.transport.transport import Publisher
 
 MarkerArray = get("visualization_msgs/MarkerArray")
 Walls = get("flatland_msgs/Walls")
@@ -32,14 +32,18 @@ class WallVisualization:
     For each name of a layer, `~debug/layer/<name>` has lines on the ground and
     `~debug/layer/<name>_3d` upright rectangles. `~debug/layers` has the lines of all layers, once;
     `~debug/walls` has the same as flatland_msgs/Walls.
+
+    Args:
+        layers: those of the world.
+        advertise: opens a latched topic, by its name without `~debug/`.
     """
 
-    def __init__(self, layers: List[Layer], transport: Transport) -> None:
-        self._transport = transport
+    def __init__(self, layers: List[Layer], advertise: Callable[[str, Any], Publisher]) -> None:
+        self._advertise = advertise
         self._layers: List[Layer] = []
         self._shown: Dict[str, Tuple[Layer, Segments]] = {}
-        self._all = self._latched("layers", MarkerArray)
-        self._compact = self._latched("walls", Walls)
+        self._all = self._advertise("layers", MarkerArray)
+        self._compact = self._advertise("walls", Walls)
         self._flat: Dict[str, Publisher] = {}
         self._upright: Dict[str, Publisher] = {}
         self.update(layers)
@@ -90,7 +94,7 @@ class WallVisualization:
         former = [*self._flat.values(), *self._upright.values()]
         for publisher in former:
             publisher.publish(array_of([DELETE_ALL]))
-        self._flat = {name: self._latched(f"layer/{name}", MarkerArray) for name in names}
+        self._flat = {name: self._advertise(f"layer/{name}", MarkerArray) for name in names}
         self._upright = {}
         for name in names:
             if f"{name}_3d" in names:
@@ -100,7 +104,7 @@ class WallVisualization:
                     *(name, name, name),
                 )
             else:
-                self._upright[name] = self._latched(f"layer/{name}_3d", MarkerArray)
+                self._upright[name] = self._advertise(f"layer/{name}_3d", MarkerArray)
         for publisher in former:
             publisher.close()
         self._shown.clear()
@@ -126,7 +130,3 @@ class WallVisualization:
         return LazyMarkerArray(
             lambda: array_of([DELETE_ALL, *(flat_walls(*each) for each in walls)])
         )
-
-    def _latched(self, topic: str, message_type: Any) -> Publisher:
-        name = f"{self._transport.node_name}/debug/{topic}"
-        return self._transport.advertise(name, message_type, latch=True, queue_size=1)
