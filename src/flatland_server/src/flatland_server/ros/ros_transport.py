@@ -18,7 +18,7 @@ from flatland_server.messages.wire_form import LENGTH
 from flatland_server.ros import raw_messages
 from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.rospy_patches import RospyCalls
-from flatland_server.ros.subscriber_counter import SubscriberCounter
+from flatland_server.ros.rospy_patches.public_rospy import SubscriberCounter
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.arrivals import Arrival
 from flatland_server.transport.serialized_transforms import SerializedFrames, TransformQueue

@@ -1,5 +1,6 @@
-"""The operations that patches replace, here through rospy's public interface."""
+"""What the server does by rospy's public interface; patches replace most of it."""
 
+import itertools
 from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable, ContextManager, Optional
@@ -11,6 +12,20 @@ from flatland_server.messages.wire_form import LENGTH
 
 if TYPE_CHECKING:
     from flatland_server.ros.rospy_patches.local_time import LocalTime
+
+
+class SubscriberCounter(rospy.SubscribeListener):  # type: ignore[misc]
+    """Counts how often subscribers have connected or disconnected. ROS's threads call it."""
+
+    def __init__(self) -> None:
+        self._counter = itertools.count(1)
+        self.revision = 0
+
+    def peer_subscribe(self, *_: Any) -> None:
+        self.revision = next(self._counter)
+
+    def peer_unsubscribe(self, *_: Any) -> None:
+        self.revision = next(self._counter)
 
 
 def is_connected(publisher: rospy.Publisher) -> bool:
