@@ -15,7 +15,8 @@ from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
-from flatland_server.transport.node import Node, Publisher
+from flatland_server.transport.node import Node
+from flatland_server.transport.transport import Publisher
 
 DOCS = Path(__file__).resolve().parents[3] / "docs"
 PLUGINS = DOCS / "reference" / "plugins.md"

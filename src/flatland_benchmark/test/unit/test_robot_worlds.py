@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flatland_benchmark.robot_worlds import floor, free_poses, write_world
-from flatland_server.maps.map_reader import read_map
+from flatland_server.maps.map_reader import MapConfig
 from flatland_server.simulation.run import Run
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
@@ -35,7 +35,7 @@ def test_places_are_clear_of_walls_and_of_each_other(space, count):
     places = np.array(free_poses(space, count))[:, :2]
 
     between = np.linalg.norm(places[:, np.newaxis] - places, axis=2)
-    to_walls = distances_to_segments(places, read_map(OFFICE))
+    to_walls = distances_to_segments(places, MapConfig.from_file(OFFICE).walls())
 
     assert places.shape == (count, 2)
     assert np.min(between[~np.eye(count, dtype=bool)], initial=np.inf) > 2 * RADIUS

@@ -3,11 +3,9 @@
 from collections import deque
 from typing import Any, Callable, Deque, Dict, Optional, Tuple
 
+from flatland_bridge.budget import ENTRY
 from flatland_bridge.message_size import size_of
 from flatland_server.messages import deserialized, serialized
-
-_ENTRY = 1000
-"""Bytes of a message without its content."""
 
 _MOST_KEPT, _LARGEST_KEPT = 64, 64_000
 _kept: Deque[Tuple[Dict[str, bytes], str]] = deque()
@@ -87,5 +85,5 @@ class Sample:
                 size = size_of(self._message)
             else:
                 size = len(getattr(self._message, "_data", b""))
-            self._size = _ENTRY + size
+            self._size = ENTRY + size
         return self._size

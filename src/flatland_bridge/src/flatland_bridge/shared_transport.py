@@ -1,7 +1,6 @@
 """A `LocalTransport` for a simulation that other threads talk to."""
 
 import threading
-import time
 from collections import Counter, deque
 from concurrent.futures import Future
 from functools import partial
@@ -51,7 +50,6 @@ class SharedTransport(LocalTransport, ServedTransport):
         self._waiting: Deque[Tuple[Callable[[], None], Hashable]] = deque()
         self._numbers: CounterType[Hashable] = Counter()  # of those, by client
         self._lock = threading.Lock()
-        self._arrival = threading.Event()
 
     def advertise(
         self, topic: str, message_type: Any, *, latch: bool, queue_size: int
@@ -96,20 +94,12 @@ class SharedTransport(LocalTransport, ServedTransport):
         return super().wait(future)
 
     def process(self, timeout: float = 0.0) -> None:
-        self._run_waiting()
-        if timeout <= 0.0:
-            return
-        deadline = time.monotonic() + timeout
-        remaining = timeout
-        while remaining > 0.0 and not self.is_ending:
-            if self._arrival.wait(remaining):
-                self._run_waiting()
-                if self.returns_on_arrival:
-                    return
-            remaining = deadline - time.monotonic()
-
-    def _run_waiting(self) -> None:
         self._arrival.clear()
+        self._run_posted()
+        if timeout > 0.0:
+            self._run_for(timeout)
+
+    def _run_posted(self) -> None:
         for _ in range(len(self._waiting)):  # not those that come meanwhile: time goes on
             with self._lock:
                 action, client = self._waiting.popleft()

@@ -69,7 +69,7 @@ class SimulatedGraph(Graph, Tap):
         SimulationInterfaces(self._hub, files.worlds)
         self._services = {f"/{name}": each for name, each in self._hub.services.items()}
         self._topics_timer = RealTimeTimer(_TOPICS_PERIOD)
-        self._topics = self._present_topics()
+        self._follow_topics()
         self._transport.open_tap(self)
         manager.after_step.append(partial(self._failures.catch, self._send_step))
         self._hub.on_tick(self._update)
@@ -188,13 +188,10 @@ class SimulatedGraph(Graph, Tap):
             self._transport.set_subscribed_topics(wanted)
 
     def _follow_topics(self) -> None:
-        self._topics = self._present_topics()
-
-    def _present_topics(self) -> Topics:
         transport = self._transport
         types = {**transport.types, "/tf": TFMessage._type}
         published = sorted({*transport.topics, "/tf"})
-        return Topics(
+        self._topics = Topics(
             {name: types[name] for name in published},
             {name: types[name] for name in sorted(transport.subscribed) if name in types},
             frozenset(transport.latched),

@@ -6,7 +6,7 @@ from itertools import count
 from typing import Any, Dict, List, Tuple
 
 from flatland_bridge import simulation_types
-from flatland_bridge.simulation_results import Calls, Failure, Result, path_of, with_result
+from flatland_bridge.simulation_results import Failure, Result, path_of, with_result
 from flatland_server.config import LARGEST, namespace_problem, topic_name_problem
 from flatland_server.exceptions import ModelError, YamlError, shortened
 from flatland_server.geometry import Pose
@@ -33,14 +33,13 @@ class EntityServices:
 
     Args:
         hub: hub with the models; it records their changes.
-        call: calls Flatland's own services.
     """
 
-    def __init__(self, hub: Hub, call: Calls) -> None:
+    def __init__(self, hub: Hub) -> None:
         self._manager = hub.manager
         self._edits = hub.edits
         self._transport = hub.transport
-        self._call = call
+        self._call = hub.call
 
     @property
     def actions(self) -> Dict[str, Tuple[str, Action]]:

@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, List, Optional
 
 from flatland_bridge import simulation_types
 from flatland_bridge.simulation_entities import EntityServices
-from flatland_bridge.simulation_results import Calls, Failure, Result, path_of, with_result
+from flatland_bridge.simulation_results import Failure, Result, path_of, with_result
 from flatland_server.exceptions import YamlError
 from flatland_server.hub import Hub, told
 
@@ -40,8 +40,8 @@ class SimulationInterfaces:
         self._manager = hub.manager
         self._worlds = worlds
         self._transport = hub.transport
-        self._call = Calls(hub.services)
-        self._entities = EntityServices(hub, self._call)
+        self._call = hub.call
+        self._entities = EntityServices(hub)
         self._is_stopped = False  # it was, and has been paused since
         actions = {
             **self._entities.actions,

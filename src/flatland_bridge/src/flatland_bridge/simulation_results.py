@@ -1,10 +1,10 @@
 """Results of the services of simulation_interfaces."""
 
-from typing import Any, Dict, Mapping, Optional
+from typing import Any, Dict, Optional
 
 from flatland_bridge import simulation_types
 from flatland_server.exceptions import FlatlandError
-from flatland_server.hub import Action, Service, told
+from flatland_server.hub import Action, told
 
 Result = simulation_types.message("Result")
 
@@ -39,27 +39,6 @@ def with_result(action: Action) -> Action:
         return {"result": Result(Result.RESULT_OK, ""), **fields}
 
     return answer
-
-
-class Calls:
-    """Calls services of Flatland's own.
-
-    Args:
-        services: by their names.
-    """
-
-    def __init__(self, services: Mapping[str, Service]) -> None:
-        self._services = services
-
-    def __call__(self, name: str, /, **fields: Any) -> None:
-        """Calls a service.
-
-        Raises:
-            FlatlandError: it fails.
-            ValueError: it fails.
-        """
-        service = self._services[name]
-        service.action(service.type.request(**fields))
 
 
 def path_of(uri: str) -> str:

@@ -162,7 +162,8 @@ class WebSocketServer:
         self._access = access
         self._budgets = Budgets(client_memory)
         self._loop = asyncio.new_event_loop()
-        self._loop.set_exception_handler(_LoopErrors().handle)
+        self._loop.set_exception_handler(self._note_error)
+        self._has_warned = False  # of a lack of open files
         started: Future[Dict[str, int]] = Future()
         self._thread = threading.Thread(
             target=lambda: self._loop.run_until_complete(self._run(endpoints, started)),
@@ -210,6 +211,18 @@ class WebSocketServer:
             # Clients that do not read would hold up the end until they time out.
             self._loop.call_later(_CLOSE_TIMEOUT, self._abort_all)
 
+    def _note_error(self, loop: asyncio.AbstractEventLoop, context: Dict[str, Any]) -> None:
+        """Logs an error of the event loop: a lack of open files once, as a line.
+
+        The loop accepts connections again after a second.
+        """
+        error = context.get("exception")
+        if not isinstance(error, OSError):
+            loop.default_exception_handler(context)
+        elif not self._has_warned:
+            self._has_warned = True
+            logger.warning("no further client can connect for now: %s", error)
+
     def _abort_all(self) -> None:
         for each in list(_connections):
             if each.loop is self._loop:
@@ -236,22 +249,17 @@ class WebSocketServer:
     ) -> Optional[Response]:
         """The response to a request for a file, or to one that is refused."""
         try:
-            return self._refusal(endpoint, connection, request)
+            if "websocket" not in request.headers.get("Upgrade", "").lower():
+                return _file(urlsplit(request.path).path if endpoint.has_page else "")
+            if not self._access.allows_origin(request.headers.get("Origin")):
+                text = "pages of this origin may not connect; --origin allows it\n"
+                return connection.respond(HTTPStatus.FORBIDDEN, text)
+            if not self._access.allows_token(request):
+                return connection.respond(HTTPStatus.UNAUTHORIZED, "expected ?token=TOKEN\n")
         except (LookupError, ValueError):  # a path that is none, or a header that comes twice
             return connection.respond(HTTPStatus.BAD_REQUEST, "expected another request\n")
         except OSError:  # too many files are open
             return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, "try again\n")
-
-    def _refusal(
-        self, endpoint: Endpoint, connection: ServerConnection, request: Request
-    ) -> Optional[Response]:
-        if "websocket" not in request.headers.get("Upgrade", "").lower():
-            return _file(urlsplit(request.path).path if endpoint.has_page else "")
-        if not self._access.allows_origin(request.headers.get("Origin")):
-            text = "pages of this origin may not connect; --origin allows it\n"
-            return connection.respond(HTTPStatus.FORBIDDEN, text)
-        if not self._access.allows_token(request):
-            return connection.respond(HTTPStatus.UNAUTHORIZED, "expected ?token=TOKEN\n")
         if len(self._budgets) >= MOST_CLIENTS:
             return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, "too many clients\n")
         return None
@@ -349,22 +357,6 @@ class _Connection(ServerConnection):  # type: ignore[misc]
     def resume_writing(self) -> None:
         self._unread = 0
         super().resume_writing()
-
-
-class _LoopErrors:
-    """Logs errors of the event loop: a lack of open files once, as a line."""
-
-    def __init__(self) -> None:
-        self._has_warned = False
-
-    def handle(self, loop: asyncio.AbstractEventLoop, context: Dict[str, Any]) -> None:
-        """An exception handler of asyncio. The loop accepts connections again after a second."""
-        error = context.get("exception")
-        if not isinstance(error, OSError):
-            loop.default_exception_handler(context)
-        elif not self._has_warned:
-            self._has_warned = True
-            logger.warning("no further client can connect for now: %s", error)
 
 
 def _file(path: str) -> Response:

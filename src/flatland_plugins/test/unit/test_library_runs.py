@@ -8,7 +8,7 @@ from busy_town import Town, content_of
 
 from flatland2d import Simulation
 from flatland_server.simulation.simulation_manager import SimulationManager
-from flatland_server.transport.tap import Tap
+from flatland_server.transport.local_transport import Tap
 
 pytestmark = pytest.mark.slow
 

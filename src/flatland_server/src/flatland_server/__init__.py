@@ -83,8 +83,8 @@ from flatland_server.simulation.world import World, WorldPlugin
 from flatland_server.simulation.world_config import ModelEntry, WorldConfig
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
-from flatland_server.transport.message_writer import MessageWriter
-from flatland_server.transport.node import Frames, Node, Publisher, Subscription
+from flatland_server.transport.node import Node
+from flatland_server.transport.transport import Frames, MessageWriter, Publisher, Subscription
 from flatland_server.update_timer import UpdateTimer
 
 __all__ = [

@@ -6,7 +6,7 @@ from PIL import Image, ImageDraw
 
 from flatland_server import FlatlandError, YamlError
 from flatland_server.maps.line_map import LineMap
-from flatland_server.maps.map_reader import read_map
+from flatland_server.maps.map_reader import MapConfig
 
 MAP = "image: room.png\nresolution: 0.05\norigin: [-1.5, 2.25, 0.3]\noccupied_thresh: 0.65\n"
 
@@ -34,8 +34,8 @@ def test_without_a_tolerance_the_layer_is_that_of_the_image(room):
 
     assert data == room / "lines.dat"
     assert line_map.deviation == 0.0
-    assert directionless(read_map(room / "lines.yaml")) == directionless(
-        read_map(room / "room.yaml")
+    assert directionless(MapConfig.from_file(room / "lines.yaml").walls()) == directionless(
+        MapConfig.from_file(room / "room.yaml").walls()
     )
 
 
@@ -45,7 +45,9 @@ def test_lines_are_fewer_and_within_the_tolerance(room):
 
     assert len(line_map.lines) < len(line_map.outlines) / 3
     assert 0.0 < line_map.deviation <= 0.05
-    np.testing.assert_array_equal(read_map(room / "lines.yaml"), line_map.in_world(line_map.lines))
+    np.testing.assert_array_equal(
+        MapConfig.from_file(room / "lines.yaml").walls(), line_map.in_world(line_map.lines)
+    )
     assert len(LineMap.from_file(room / "room.yaml").lines) == len(line_map.lines)  # one pixel
 
 

@@ -73,7 +73,7 @@ def test_without_lupa_the_error_tells_how_to_check_for_it(files, evaluate, monke
 
 def test_the_worker_ends_with_the_preprocessor(evaluate, preprocessor):
     assert evaluate("1 + 1") == "2"
-    worker = preprocessor._expressions._lua._worker
+    worker = preprocessor._expressions.lua._worker
     assert worker is not None
 
     preprocessor.close()
@@ -142,7 +142,7 @@ def test_a_worker_without_its_parent_does_not_start():
 def test_the_worker_has_no_files_processes_or_endless_time(evaluate, preprocessor):
     evaluate("1")
 
-    limits = Path(f"/proc/{preprocessor._expressions._lua._worker.pid}/limits").read_text()
+    limits = Path(f"/proc/{preprocessor._expressions.lua._worker.pid}/limits").read_text()
 
     soft = {line[:26].strip(): line[26:].split()[0] for line in limits.splitlines()[1:]}
     assert soft["Max open files"] == "0"
@@ -188,13 +188,13 @@ def test_each_file_has_its_own_time_limit(files, preprocessor, evaluate):
 def test_without_expressions_there_is_no_worker(files, preprocessor):
     preprocessor.read(files.write("file.yaml", "value: 1\n"))
 
-    assert preprocessor._expressions._lua._worker is None
+    assert preprocessor._expressions.lua._worker is None
 
 
 def test_a_killed_worker_is_an_error_and_is_restarted(evaluate, preprocessor):
     evaluate("1")
-    preprocessor._expressions._lua._worker.kill()
-    preprocessor._expressions._lua._worker.wait()
+    preprocessor._expressions.lua._worker.kill()
+    preprocessor._expressions.lua._worker.wait()
 
     with pytest.raises(YamlError):
         evaluate("1")

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from flatland_server.messages import wire_form
 from flatland_server.messages.model_markers import ModelMarkers, preview
-from flatland_server.messages.serialized_markers import array_of, delete_all, serialized
+from flatland_server.messages.serialized_markers import DELETE_ALL, array_of, serialized
 from flatland_server.messages.wall_markers import flat_walls, upright_walls
 from flatland_server.testing import WorldFiles
 
@@ -14,14 +14,14 @@ def markers_of_a_world(folder: Path) -> str:
     files = WorldFiles(folder)
     layer = {"name": "map", "map": files.walls("map", (5, 0, 6, 2))}
     world = files.load_models({"robot": {"model": files.model("robot")}}, [layer]).world
-    markers = ModelMarkers(world.models["robot"], "map")
+    markers = ModelMarkers(world.models["robot"])
     markers.place()
     walls = world.layers[0]
     parts = (
         markers.bytes(),
         serialized(preview(world.models["robot"].config)),
-        flat_walls(walls.config, walls.segments, "map"),
-        upright_walls(walls.config, walls.segments, "map"),
-        delete_all("map"),
+        flat_walls(walls.config, walls.segments),
+        upright_walls(walls.config, walls.segments),
+        DELETE_ALL,
     )
     return wire_form.serialized(array_of(parts)).hex()

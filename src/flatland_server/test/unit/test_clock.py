@@ -55,7 +55,7 @@ def rospy_calls(sent) -> RospyCalls:
     def send(publisher: Publisher, data: bytes) -> None:
         sent.append((publisher.topic, data))
 
-    return RospyCalls(send_bytes=send, send_framed=send, take_over_time=local_time.take_over_time)
+    return RospyCalls(send_framed=send, take_over_time=local_time.take_over_time)
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from flatland_server.maps.map_reader import MapConfig, read_map
+from flatland_server.maps.map_reader import MapConfig
 
 ONE_PIXEL = {((1, 1), (2, 1)), ((1, 2), (2, 2)), ((1, 1), (1, 2)), ((2, 1), (2, 2))}
 """The walls around the dark middle of 3 x 3 pixels, in pixels."""
@@ -39,7 +39,7 @@ def segment_map(scale: float = 1.0, origin: str = "[0, 0, 0]") -> str:
 
 def walls(path: Path, digits: int = 9) -> set:
     """The walls of a map as a set of pairs of rounded points."""
-    rows = np.round(read_map(path), digits) + 0.0
+    rows = np.round(MapConfig.from_file(path).walls(), digits) + 0.0
     return {tuple(sorted([(x1, y1), (x2, y2)])) for x1, y1, x2, y2 in rows.tolist()}
 
 
@@ -72,14 +72,14 @@ def test_line_segments_may_have_windows_line_ends_and_a_bom(files):
     (files.folder / "wall.dat").write_bytes(b"\xef\xbb\xbf0 0 1 1\r\n2 3 -1 2\r\n")
     path = files.write("wall.yaml", segment_map())
 
-    assert read_map(path).tolist() == [[0, 0, 1, 1], [2, 3, -1, 2]]
+    assert MapConfig.from_file(path).walls().tolist() == [[0, 0, 1, 1], [2, 3, -1, 2]]
 
 
 def test_comments_in_a_file_of_line_segments_are_skipped(files):
     files.write("wall.dat", "# file: wall.dat\n0 0 1 1  # a wall\n  # indented\n2 3 -1 2#\n")
     path = files.write("wall.yaml", segment_map())
 
-    assert read_map(path).tolist() == [[0, 0, 1, 1], [2, 3, -1, 2]]
+    assert MapConfig.from_file(path).walls().tolist() == [[0, 0, 1, 1], [2, 3, -1, 2]]
 
 
 def test_the_yaml_file_is_read_without_the_image_that_it_names(maps):

@@ -6,7 +6,7 @@ import pytest
 
 from flatland_server import Circle, Pose
 from flatland_server.hub.model_publisher import ModelPublisher
-from flatland_server.transport.tap import Tap
+from flatland_server.transport.local_transport import Tap
 
 CART = """
 bodies:

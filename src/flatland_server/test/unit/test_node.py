@@ -8,6 +8,7 @@ from logged import warnings
 
 from flatland_server import messages
 from flatland_server.geometry import Pose, Transform
+from flatland_server.transport.frame_registry import FrameRegistry
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.node import Node
 
@@ -143,7 +144,8 @@ def frames(message: Any) -> List[Any]:
 
 
 def test_each_namespace_may_have_transforms_of_its_own(fleet, caplog):
-    root = Node(fleet)
+    registry = FrameRegistry()
+    root = Node(fleet, frames=registry)
     nodes = [root.scoped(name, f"{name}/drive") for name in ("", "r1", "r2")]
 
     for node in nodes:
@@ -157,12 +159,12 @@ def test_each_namespace_may_have_transforms_of_its_own(fleet, caplog):
     for topic in ("/r1/tf", "/r2/tf"):
         assert frames(fleet.last(topic)) == [("base", "laser"), ("odom", "base")]
     assert [each.transform.translation.x for each in fleet.last("/r1/tf").transforms] == [1.0, 2.0]
-    assert root.odometry_frames == {("", "odom"), ("r1", "odom"), ("r2", "odom")}
+    assert registry.odometry_frames == {("", "odom"), ("r1", "odom"), ("r2", "odom")}
     assert warnings(caplog) == []
 
     nodes[2].close()
     assert fleet.topics == {"/r1/tf"}
-    assert root.odometry_frames == {("", "odom"), ("r1", "odom")}
+    assert registry.odometry_frames == {("", "odom"), ("r1", "odom")}
     fleet.flush()
 
 

@@ -16,8 +16,8 @@ from flatland_server.ros.rospy_patches.nonblocking_connection import (
     MOST,
     HeldMessages,
     NonblockingConnection,
+    send_framed,
 )
-from flatland_server.ros.rospy_patches.raw_publishing import send_bytes
 
 LIMIT = 10.0  # s
 
@@ -288,7 +288,7 @@ def test_only_the_failing_connection_is_dropped(subscriber):
     broken = Broken()
     publisher = SimpleNamespace(impl=Topic([broken, connection]))
 
-    send_bytes(publisher, b"hello")
+    send_framed(publisher, b"\x05\0\0\0hello")
 
     assert receive(theirs, 9) == b"\x05\0\0\0hello"
     assert publisher.impl.connections == [connection]

@@ -19,6 +19,7 @@ from flatland_server.transport.node import Node
 def test_a_signal_may_end_it_at_any_point():
     """Python runs signal handlers where it calls functions; a profiler runs there too."""
     transport = RosTransport()
+    transport.post(lambda: None)
     interrupted = set()
 
     def interrupt(frame, _event, _argument):
@@ -133,7 +134,7 @@ def holding():
     outbox = RecordedOutbox()
     events = outbox.events
     transport = RosTransport(
-        RospyCalls(outbox=outbox, send_bytes=lambda _, data: events.append("message"))
+        RospyCalls(outbox=outbox, send_framed=lambda _, data: events.append("message"))
     )
     transport.before_sending = lambda: events.append("clock")
     transport.process(0.0)

@@ -11,12 +11,11 @@ import pytest
 import rospy
 from rosgraph_msgs.msg import Clock
 
-from flatland_server.messages.wire_form import serialized
+from flatland_server.messages.wire_form import LENGTH, serialized
 from flatland_server.ros import rospy_patches
 from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.rospy_patches import PATCHES, RospyCalls, install
-from flatland_server.ros.rospy_patches.public_rospy import LENGTH
 from flatland_server.ros.rospy_patches.rospy_checks import Requirement
 from flatland_server.timekeeper import Timekeeper
 
@@ -28,8 +27,7 @@ REQUIREMENTS = [
     for requirement in importlib.import_module(f"{rospy_patches.__name__}.{name}").REQUIREMENTS
 ]
 REPLACED = {
-    "raw_publishing": ["is_connected", "send_bytes", "send_framed"],
-    "nonblocking_connection": ["outbox"],
+    "nonblocking_connection": ["is_connected", "send_framed", "outbox"],
     "registration": ["batch_registration", "wait_until_registered"],
     "local_time": ["take_over_time"],
     "latched_topics": ["forget_latched"],
@@ -162,7 +160,7 @@ def test_bytes_are_published_with_and_without_patches(is_patched, publisher, unp
     calls = install(is_patched)
     frames = [frame(Clock(rospy.Time(second))) for second in (1, 2, 3)]
 
-    calls.send_bytes(publisher.publisher, frames[0][LENGTH.size :])
+    calls.send_framed(publisher.publisher, frames[0])
     calls.send_framed(publisher.publisher, b"".join(frames[1:]))
 
     assert publisher.connection.received == b"".join(frames)
@@ -184,7 +182,7 @@ def test_the_clock_is_published_without_patches(publisher):
 def test_a_closed_publisher_is_not_sent_to_without_patches():
     publisher = rospy.Publisher("/topic", Clock, queue_size=1)
 
-    RospyCalls().send_bytes(publisher, b"nothing is subscribed")
+    RospyCalls().send_framed(publisher, frame(Clock(rospy.Time(1))))
 
     publisher.unregister()
 

@@ -81,7 +81,7 @@ def test_steps_keep_the_update_rate(make_manager, clock, transport):
     assert steps(manager) == 101
     assert clock.now - 1000.0 == pytest.approx(1.004)
     assert transport.waits[1:] == pytest.approx([0.006] * 100)
-    assert manager.step_periods == pytest.approx([0.01] * 100)
+    assert manager.pacer.step_periods == pytest.approx([0.01] * 100)
 
 
 def test_an_infinite_rate_never_waits(make_manager, clock, transport):

@@ -2,14 +2,14 @@
 
 import threading
 
-from flatland_server.maps import slow_log
-from flatland_server.maps.slow_log import log_if_slow
+from flatland_server.maps import map_reader
+from flatland_server.maps.map_reader import log_if_slow
 
 
 def test_a_slow_block_is_logged_while_it_runs(monkeypatch):
     logged = threading.Event()
-    monkeypatch.setattr(slow_log, "DELAY", 0.01)
-    monkeypatch.setattr(slow_log.logger, "info", lambda message: logged.set())
+    monkeypatch.setattr(map_reader, "DELAY", 0.01)
+    monkeypatch.setattr(map_reader.logger, "info", lambda message: logged.set())
 
     with log_if_slow("reading walls"):
         assert logged.wait(10.0)

@@ -249,7 +249,7 @@ def test_a_reset_sets_the_clock_back_unless_it_is_kept(manager):
 def test_the_real_time_factor_is_not_negative_after_a_reset(manager):
     manager.resume()
     factors = []
-    manager.on_tick.append(lambda: factors.append(manager.real_time_factor))
+    manager.on_tick.append(lambda: factors.append(manager.pacer.real_time_factor))
     run(manager, 1000)
     manager.after_step.append(lambda: steps(manager) == 500 and manager.reset())
 

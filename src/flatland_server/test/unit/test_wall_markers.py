@@ -28,7 +28,7 @@ def corners(marker):
 
 
 def test_flat_walls_are_lines_on_the_ground():
-    [marker] = received(array_of([flat_walls(config(0.5, 2.0), SEGMENTS, "map")]))
+    [marker] = received(array_of([flat_walls(config(0.5, 2.0), SEGMENTS)]))
 
     assert (marker.type, marker.ns, marker.header.frame_id) == (Marker.LINE_LIST, "room", "map")
     assert (marker.color.r, marker.color.g, marker.color.b, marker.color.a) == COLOR
@@ -37,7 +37,7 @@ def test_flat_walls_are_lines_on_the_ground():
 
 
 def test_upright_walls_fill_the_height_above_each_segment():
-    [marker] = received(array_of([upright_walls(config(0.5, 2.0), SEGMENTS, "map")]))
+    [marker] = received(array_of([upright_walls(config(0.5, 2.0), SEGMENTS)]))
 
     assert (marker.type, marker.ns, marker.header.frame_id) == (Marker.TRIANGLE_LIST, "room", "map")
     triangles = np.reshape(corners(marker), (-1, 3, 3))
@@ -51,7 +51,7 @@ def test_upright_walls_fill_the_height_above_each_segment():
 
 @pytest.mark.parametrize("max_z", [0.5, 0.2])
 def test_walls_without_a_height_are_lines_at_min_z(max_z):
-    [marker] = received(array_of([upright_walls(config(0.5, max_z), SEGMENTS, "map")]))
+    [marker] = received(array_of([upright_walls(config(0.5, max_z), SEGMENTS)]))
 
     assert marker.type == Marker.LINE_LIST
     assert {z for _, _, z in corners(marker)} == {0.5}
@@ -60,7 +60,7 @@ def test_walls_without_a_height_are_lines_at_min_z(max_z):
 @pytest.mark.parametrize("walls", [flat_walls, upright_walls])
 def test_no_walls_are_no_marker(walls):
     """Rviz reports a marker without points as an error."""
-    assert received(array_of([walls(config(), np.empty((0, 4)), "map")])) == []
+    assert received(array_of([walls(config(), np.empty((0, 4)))])) == []
 
 
 def test_a_lazy_array_is_made_when_it_is_sent():
@@ -68,7 +68,7 @@ def test_a_lazy_array_is_made_when_it_is_sent():
 
     def make():
         calls.append(1)
-        return array_of([flat_walls(config(), SEGMENTS, "map")])
+        return array_of([flat_walls(config(), SEGMENTS)])
 
     message = LazyMarkerArray(make)
 

@@ -137,7 +137,7 @@ def test_a_pause_is_a_jump_of_the_stamps_and_of_nothing_else(manager, clock, sta
 def test_stamps_make_up_for_time_that_the_pacer_gives_up(manager, stamps):
     """The process was stopped for a second: a quarter of it is caught up by steps without waits."""
     run(manager, 10)
-    manager._pacer.start = lambda _: None  # the next run goes on with this one
+    manager.pacer.start = lambda _: None  # the next run goes on with this one
     manager.transport.delay = SECOND
     run(manager, 200)
 

@@ -16,7 +16,7 @@ from flatland2d.rendering.renderer import Renderer, save
 from flatland_server.config import YamlPreprocessor, YamlReader, shipped_worlds, to_path
 from flatland_server.exceptions import FlatlandError, YamlError
 from flatland_server.geometry import Pose
-from flatland_server.maps import read_map
+from flatland_server.maps import MapConfig
 from flatland_server.models import AnyLayer, CollisionFilterRegistry, LayerConfig, ModelConfig
 from flatland_server.simulation import ModelEntry, World, WorldConfig
 from flatland_server.transport import LocalTransport, Transport
@@ -79,7 +79,7 @@ def _load_model(path: Path, reader: YamlReader, transport: Optional[Transport]) 
 
 
 def _load_map(path: Path, preprocessor: YamlPreprocessor) -> Loaded:
-    segments = read_map(path, preprocessor)
+    segments = MapConfig.from_file(path, preprocessor).walls()
     registry = CollisionFilterRegistry()
     layer = LayerConfig((_MAP_NAME,), registry.register(_MAP_NAME), _MAP_COLOR, 0.0, 1.0, path)
     world = World(WorldConfig(10, 10, registry, (layer,), (), (), {path: segments}))

@@ -1,6 +1,7 @@
 #include "sending/subscriber_queue.hpp"
 
 #include <fcntl.h>
+#include <sys/epoll.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
 #include <unistd.h>
@@ -9,9 +10,9 @@
 #include <array>
 #include <cerrno>
 #include <system_error>
+#include <thread>
+#include <unordered_map>
 #include <utility>
-
-#include "sending/socket_poller.hpp"
 
 namespace flatland {
 namespace {
@@ -19,6 +20,79 @@ namespace {
 constexpr std::size_t kMostPieces = 256;  // in one call; Linux takes 1,024
 
 }  // namespace
+
+/// The thread that sends the rest of queues when their sockets are writable again (epoll).
+class SubscriberQueue::Poller {
+ public:
+  /// The only one. It is never destroyed: its thread waits until the process ends.
+  static Poller& Get();
+
+  /// Sends the rest of a queue, once, when its socket is writable. Returns false if the system
+  /// cannot poll the socket.
+  bool Watch(const std::shared_ptr<SubscriberQueue>& queue);
+  /// Must be called before a polled socket is closed.
+  void Forget(int socket);
+
+ private:
+  Poller();
+  void Run();
+  std::shared_ptr<SubscriberQueue> Take(int socket);
+
+  int epoll_;
+  std::mutex mutex_;
+  std::unordered_map<int, std::weak_ptr<SubscriberQueue>> queues_;  // by socket
+};
+
+SubscriberQueue::Poller& SubscriberQueue::Poller::Get() {
+  static auto* const poller = new Poller;
+  return *poller;
+}
+
+SubscriberQueue::Poller::Poller() : epoll_(epoll_create1(EPOLL_CLOEXEC)) {
+  std::thread([this] { Run(); }).detach();
+}
+
+bool SubscriberQueue::Poller::Watch(const std::shared_ptr<SubscriberQueue>& queue) {
+  const int socket = queue->socket_;
+  {
+    const std::lock_guard lock(mutex_);
+    queues_[socket] = queue;
+  }
+  epoll_event event{};
+  event.events = EPOLLOUT | EPOLLONESHOT;
+  event.data.fd = socket;
+  return epoll_ctl(epoll_, EPOLL_CTL_ADD, socket, &event) == 0 ||
+         epoll_ctl(epoll_, EPOLL_CTL_MOD, socket, &event) == 0;
+}
+
+void SubscriberQueue::Poller::Forget(int socket) {
+  const std::lock_guard lock(mutex_);
+  queues_.erase(socket);
+  epoll_ctl(epoll_, EPOLL_CTL_DEL, socket, nullptr);
+}
+
+std::shared_ptr<SubscriberQueue> SubscriberQueue::Poller::Take(int socket) {
+  const std::lock_guard lock(mutex_);
+  const auto found = queues_.find(socket);
+  if (found == queues_.end()) return nullptr;
+  auto queue = found->second.lock();
+  queues_.erase(found);
+  return queue;
+}
+
+void SubscriberQueue::Poller::Run() {
+  std::array<epoll_event, 64> events{};
+  for (;;) {
+    const int count = epoll_wait(epoll_, events.data(), events.size(), -1);
+    for (int i = 0; i < count; ++i) {
+      const auto queue = Take(events[static_cast<std::size_t>(i)].data.fd);
+      if (queue == nullptr) continue;
+      const std::lock_guard lock(queue->mutex_);
+      queue->is_polled_ = false;
+      queue->SendMessages();  // none, if it was closed
+    }
+  }
+}
 
 SubscriberQueue::SubscriberQueue(int socket, std::size_t limit, Seconds patience)
     : socket_(fcntl(socket, F_DUPFD_CLOEXEC, 0)), limit_(limit), patience_(patience) {
@@ -57,7 +131,7 @@ void SubscriberQueue::SendMessages() {
     if (result < 0) {
       if (errno == EINTR) continue;
       if (errno != EAGAIN && errno != EWOULDBLOCK) return Fail(errno);
-      is_polled_ = SocketPoller::Get().Watch(shared_from_this());
+      is_polled_ = Poller::Get().Watch(shared_from_this());
       return;
     }
     status_.bytes += static_cast<uint64_t>(result);
@@ -94,7 +168,7 @@ void SubscriberQueue::Fail(int error) {
 void SubscriberQueue::Close() {
   const std::lock_guard lock(mutex_);
   if (socket_ < 0) return;
-  if (is_polled_) SocketPoller::Get().Forget(socket_);
+  if (is_polled_) Poller::Get().Forget(socket_);
   close(socket_);
   socket_ = -1;
   Fail(status_.error != 0 ? status_.error : ENOTCONN);

@@ -53,7 +53,7 @@ class SubscriberQueue : public std::enable_shared_from_this<SubscriberQueue> {
   Status status() const;
 
  private:
-  friend class SocketPoller;
+  class Poller;
   using Clock = std::chrono::steady_clock;
 
   struct Message {

@@ -89,14 +89,19 @@ def plain_copy(content: Any, name: str, path: str = "", depth: int = 0) -> Any:
     )
 
 
-def to_node(content: Any, name: str) -> yaml.Node:
-    """The YAML node of a result of `plain_copy`, for a `YamlReader`.
+def to_node(content: Any, name: str, path: str = "") -> yaml.Node:
+    """The YAML node of plain data, for a `YamlReader`.
 
     Args:
-        content: strings that begin with "$eval" or "$include" are evaluated later, as in a file.
+        content: as for `plain_copy`; strings that begin with "$eval" or "$include" are evaluated
+            later, as in a file.
         name: stands for the file in errors.
+        path: the place within the content.
+
+    Raises:
+        FlatlandError: as of `plain_copy`.
     """
-    return _node(content, yaml.Mark(name, 0, NO_LINE, 0, None, 0))
+    return _node(plain_copy(content, name, path), yaml.Mark(name, 0, NO_LINE, 0, None, 0))
 
 
 def to_content(node: yaml.Node) -> Any:

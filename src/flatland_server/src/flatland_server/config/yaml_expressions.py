@@ -34,7 +34,8 @@ class Expressions:
         self.has_environment = True
         """True if expressions may read environment variables."""
         self._place = ""  # file and line of the expression that is being evaluated
-        self._lua = LuaEvaluator({"env": self._env, "param": self._param})
+        self.lua = LuaEvaluator({"env": self._env, "param": self._param})
+        """The process that evaluates them."""
 
     def evaluate(self, node: yaml.ScalarNode, code: str) -> yaml.Node:
         """The value of an expression, as a node at its place.
@@ -48,7 +49,7 @@ class Expressions:
         """
         self._place = f"{node.start_mark.name}:{node.start_mark.line + 1}"
         try:
-            return _to_node(self._lua.evaluate(code, self._seed_of(node, code)), node)
+            return _to_node(self.lua.evaluate(code, self._seed_of(node, code)), node)
         except LuaError as error:
             problem, place = shortened(str(error), 120), shortened(code, 60)
             raise error_at(node, f"$eval: {problem}, in: {place}") from None
@@ -71,16 +72,7 @@ class Expressions:
         """
         self._root, self.has_environment = root, has_environment
         self._counts.clear()
-        self._lua.restart_time()
-
-    @property
-    def random_count(self) -> int:
-        """The number of expressions so far that have called math.random."""
-        return self._lua.random_count
-
-    def close(self) -> None:
-        """Ends the process that evaluates expressions."""
-        self._lua.close()
+        self.lua.restart_time()
 
     def _env(self, arguments: List[Any]) -> Any:
         """The function `env(name, default)`: an environment variable."""

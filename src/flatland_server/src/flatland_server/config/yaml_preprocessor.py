@@ -96,7 +96,7 @@ class YamlPreprocessor:
     @property
     def random_count(self) -> int:
         """The number of expressions so far that have called math.random, and so need the seed."""
-        return self._expressions.random_count
+        return self._expressions.lua.random_count
 
     def again(self, seed: int) -> "YamlPreprocessor":
         """A preprocessor for the same files, as this one has read them, with another seed."""
@@ -111,7 +111,7 @@ class YamlPreprocessor:
 
     def close(self) -> None:
         """Ends the process that evaluates expressions."""
-        self._expressions.close()
+        self._expressions.lua.close()
 
     def _compose(self, path: Path) -> ComposedFile:
         """A file as it is written; its values count for the limit of the current `read`."""

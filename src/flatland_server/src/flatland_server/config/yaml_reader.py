@@ -19,8 +19,9 @@ import yaml
 from flatland_server.arrays import FloatArray
 from flatland_server.config.file_names import find_file, is_bare, nor_in
 from flatland_server.config.input_files import is_file, similar_file, why_not_a_file
-from flatland_server.config.plain_nodes import plain_copy, to_node
+from flatland_server.config.plain_nodes import to_node
 from flatland_server.config.problem_collector import MutedCollector
+from flatland_server.config.ros_names import FRAME, NAME, TOPIC, is_frame, is_name, is_topic
 from flatland_server.config.yaml_map import REQUIRED as REQUIRED
 from flatland_server.config.yaml_map import YamlMap, file_of
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
@@ -33,13 +34,11 @@ from flatland_server.config.yaml_values import (
     outlines,
     points,
     rows,
+    text_of,
     to_bool,
-    to_frame,
     to_items,
-    to_name,
     to_string,
     to_strings,
-    to_topic,
 )
 from flatland_server.exceptions import FlatlandError, YamlError, shortened
 from flatland_server.geometry import Pose
@@ -100,7 +99,7 @@ class YamlReader(YamlMap):
         Raises:
             FlatlandError: it is no map of plain data, or an expression fails.
         """
-        node = to_node(plain_copy(content, name), name)
+        node = to_node(content, name)
         if preprocessor is not None:
             return cls(preprocessor.resolve(node))
         with closing(YamlPreprocessor()) as own:
@@ -164,7 +163,7 @@ class YamlReader(YamlMap):
             key: key of this map, as it is written in the file.
             default: the value if the key is missing; without it, the key is required.
         """
-        return cast(str, self._get(key, default, to_topic, ""))
+        return cast(str, self._get(key, default, text_of(is_topic, TOPIC), ""))
 
     def get_frame(self, key: str, default: Any = REQUIRED) -> str:
         """The name of a frame that TF can have; may begin with "/".
@@ -173,7 +172,7 @@ class YamlReader(YamlMap):
             key: key of this map, as it is written in the file.
             default: the value if the key is missing; without it, the key is required.
         """
-        return cast(str, self._get(key, default, to_frame, ""))
+        return cast(str, self._get(key, default, text_of(is_frame, FRAME), ""))
 
     def get_name(self, key: str, default: Any = REQUIRED) -> str:
         """The name of a body, joint or plugin: any text of one line.
@@ -182,7 +181,7 @@ class YamlReader(YamlMap):
             key: key of this map, as it is written in the file.
             default: the value if the key is missing; without it, the key is required.
         """
-        return cast(str, self._get(key, default, to_name, ""))
+        return cast(str, self._get(key, default, text_of(is_name, NAME), ""))
 
     def get_float(
         self,

@@ -13,7 +13,6 @@ import yaml
 
 from flatland_server.arrays import FloatArray
 from flatland_server.config.plain_nodes import ArrayNode, to_content
-from flatland_server.config.ros_names import FRAME, NAME, TOPIC, is_frame, is_name, is_topic
 from flatland_server.exceptions import suggestion
 
 T = TypeVar("T")
@@ -67,30 +66,6 @@ def to_strings(node: yaml.Node) -> Tuple[str, ...]:
     return tuple(to_string(item) for item in items)
 
 
-def to_topic(node: yaml.Node) -> str:
-    """The name of a topic that ROS can have."""
-    name = to_string(node)
-    if not is_topic(name):
-        raise ConversionError(TOPIC)
-    return name
-
-
-def to_frame(node: yaml.Node) -> str:
-    """The name of a frame that TF can have."""
-    name = to_string(node)
-    if not is_frame(name):
-        raise ConversionError(FRAME)
-    return name
-
-
-def to_name(node: yaml.Node) -> str:
-    """The name of a body, joint or plugin."""
-    name = to_string(node)
-    if not is_name(name):
-        raise ConversionError(NAME)
-    return name
-
-
 def to_items(node: yaml.Node) -> List[yaml.Node]:
     """The items of a list, not converted."""
     if not isinstance(node, yaml.SequenceNode):
@@ -128,6 +103,23 @@ def to_float(node: yaml.Node) -> float:
     if math.isnan(value):
         raise ConversionError("a number")
     return value
+
+
+def text_of(is_right: Callable[[str], bool], expected: str) -> Callable[[yaml.Node], str]:
+    """Converts to a text that is right.
+
+    Args:
+        is_right: tells whether a text is.
+        expected: what an error says was expected.
+    """
+
+    def convert(node: yaml.Node) -> str:
+        text = to_string(node)
+        if not is_right(text):
+            raise ConversionError(expected)
+        return text
+
+    return convert
 
 
 def one_of(choices: Sequence[str]) -> Callable[[yaml.Node], str]:

@@ -2,10 +2,10 @@
 
 from flatland_server.hub.assembly import open_hub
 from flatland_server.hub.client_files import ClientFiles, told
-from flatland_server.hub.failures import Failures
-from flatland_server.hub.hub import Action, Hub, Service
-from flatland_server.hub.map_to_odom import FRAME_ID, MapToOdom
+from flatland_server.hub.hub import Action, Failures, Hub, Service
+from flatland_server.hub.map_to_odom import MapToOdom
 from flatland_server.hub.server_config import ServerConfig, positive, positive_param
+from flatland_server.messages.conversions import FRAME_ID
 
 __all__ = [
     "FRAME_ID",

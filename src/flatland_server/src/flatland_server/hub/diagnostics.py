@@ -2,8 +2,7 @@
 
 from typing import Any, Dict, List
 
-from flatland_server.messages import ros_time
-from flatland_server.messages.message_types import TYPES, get
+from flatland_server.messages import get, header
 from flatland_server.plugins.plugin_manager import PluginFailure
 from flatland_server.real_time_timer import RealTimeTimer
 from flatland_server.simulation.simulation_manager import SimulationManager
@@ -31,11 +30,8 @@ class Diagnostics:
         """Publishes if it is time to; to be called often."""
         if self._timer.check_update() and self._publisher.has_subscribers:
             failures = map(self._failure, self._manager.world.plugin_failures)
-            message = DiagnosticArray(status=[self._simulation(), *failures])
-            message.header = TYPES.get("std_msgs/Header")(
-                stamp=ros_time(self._manager.timekeeper.nanoseconds)
-            )
-            self._publisher.publish(message)
+            stamp = header(self._manager.timekeeper.nanoseconds, "")
+            self._publisher.publish(DiagnosticArray(stamp, [self._simulation(), *failures]))
 
     def _failure(self, failure: PluginFailure) -> Any:
         values = {"type": failure.type, "model": failure.owner or "(the world)"}
@@ -46,9 +42,9 @@ class Diagnostics:
         manager, world = self._manager, self._manager.world
         values: Dict[str, object] = {
             "simulated time [s]": f"{manager.timekeeper.seconds:.3f}",
-            "times real time": f"{manager.real_time_factor:.2f}",
+            "times real time": f"{manager.pacer.real_time_factor:.2f}",
         }
-        periods = sorted(manager.step_periods)
+        periods = sorted(manager.pacer.step_periods)
         if periods:
             values["step period, median [ms]"] = f"{_percentile(periods, 50) * 1e3:.3f}"
             values["step period, 99th percentile [ms]"] = f"{_percentile(periods, 99) * 1e3:.3f}"

@@ -5,12 +5,11 @@
 
 import logging
 from functools import partial
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple, Union
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple, TypeVar, Union
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.hub.client_edits import ClientEdits
 from flatland_server.hub.client_files import ClientFiles, told
-from flatland_server.hub.failures import Failures
 from flatland_server.hub.map_to_odom import MapToOdom
 from flatland_server.messages.message_types import get
 from flatland_server.messages.service_types import ServiceType
@@ -19,6 +18,8 @@ from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.transport.served_transport import ServedTransport
 
 logger = logging.getLogger(__name__)
+
+T = TypeVar("T")
 
 Action = Callable[[Any], Optional[Dict[str, Any]]]
 """Called with a request, on any thread. Returns fields of the response; `success` is set for it."""
@@ -49,6 +50,29 @@ class Service(NamedTuple):
                 raise ServiceError(told(error)) from None
             return response(success=False, message=told(error))
         return response(**({"success": True} if has_success else {}), **fields)
+
+
+class Failures:
+    """Keeps errors from ending the simulation. Each kind is logged once."""
+
+    def __init__(self) -> None:
+        self._kinds: Set[Tuple[str, str]] = set()
+
+    def catch(self, function: Callable[..., object], *arguments: Any) -> None:
+        """Calls a function.
+
+        Args:
+            function: function to call; it may raise any exception.
+            arguments: arguments of the call.
+        """
+        try:
+            function(*arguments)
+        except Exception as error:
+            name = getattr(function, "__qualname__", repr(type(function)))
+            kind = name, type(error).__name__
+            if kind not in self._kinds:
+                self._kinds.add(kind)
+                logger.exception("%s has failed; the simulation goes on", name)
 
 
 class Hub:
@@ -109,6 +133,37 @@ class Hub:
         if name not in self._refused:
             service_type = get_service(kind) if isinstance(kind, str) else kind
             self.services[name] = Service(service_type, action)
+
+    def call(self, name: str, /, **fields: Any) -> None:
+        """Calls a service, on this thread; its response is left out.
+
+        Args:
+            name: the service's name.
+            fields: of the request.
+
+        Raises:
+            FlatlandError: it fails.
+            ValueError: it fails.
+        """
+        service = self.services[name]
+        service.action(service.type.request(**fields))
+
+    def change(self, action: Callable[[], T]) -> T:
+        """Changes the world on the simulation's thread, between two steps; returns the result.
+
+        Clients can use its new topics then.
+
+        Args:
+            action: opens and closes topics, which are registered together.
+        """
+
+        def change() -> T:
+            with self.transport.registration():
+                return action()
+
+        result = self.transport.call(change)
+        self.transport.wait_until_registered()
+        return result
 
     def obey(self, topic: str, kind: str, action: Callable[[Any], None]) -> None:
         """Subscribes to a topic of requests. An error is a warning, once for equal ones in a row.

@@ -9,9 +9,8 @@ from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
 from flatland_server.hub.client_edits import Edit
 from flatland_server.hub.hub import Hub
-from flatland_server.hub.map_to_odom import FRAME_ID
 from flatland_server.hub.marker_server import Feedback, MarkerServer
-from flatland_server.messages import fill_pose, yaw_of
+from flatland_server.messages.conversions import FRAME_ID, fill_pose, yaw_of
 from flatland_server.messages.message_types import get
 from flatland_server.messages.model_markers import preview
 from flatland_server.models.model import Model

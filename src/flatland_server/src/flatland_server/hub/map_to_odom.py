@@ -4,7 +4,7 @@ from itertools import groupby
 from typing import Any, Callable, Collection, Dict, Set
 
 from flatland_server.config.ros_names import tf_topics
-from flatland_server.messages.conversions import header
+from flatland_server.messages.conversions import FRAME_ID, header
 from flatland_server.messages.message_types import get
 from flatland_server.real_time_timer import RealTimeTimer
 from flatland_server.transport.frame_registry import OdometryFrame
@@ -12,9 +12,6 @@ from flatland_server.transport.transport import Publisher, Transport
 
 TransformStamped = get("geometry_msgs/TransformStamped")
 TFMessage = get("tf2_msgs/TFMessage")
-
-FRAME_ID = "map"
-"""The frame of the world."""
 
 _PERIOD = 0.1  # s of real time
 

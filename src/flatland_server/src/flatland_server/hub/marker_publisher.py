@@ -9,13 +9,13 @@ model moves, for new subscribers, and once a second; it is latched while it has 
 """
 
 import time
+from functools import partial
 from typing import Any, Dict, List, Optional
 
-from flatland_server.hub.map_to_odom import FRAME_ID
 from flatland_server.hub.wall_visualization import WallVisualization
 from flatland_server.messages.message_types import get
 from flatland_server.messages.model_markers import ModelMarkers
-from flatland_server.messages.serialized_markers import MarkerBytes, array_of, delete_all
+from flatland_server.messages.serialized_markers import DELETE_ALL, MarkerBytes, array_of
 from flatland_server.models.model import Model
 from flatland_server.real_time_timer import RealTimeTimer
 from flatland_server.simulation.world import World
@@ -32,8 +32,6 @@ _AGAIN_DELAYS = (1.0, 3.0)
 """Seconds of real time after a jump of simulated time until walls are published again. rviz
 discards all markers, latched ones too, when it notices that time went back: soon after /clock did,
 unless the machine is busy."""
-
-_DELETE_ALL = delete_all(FRAME_ID)
 
 
 class MarkerPublisher:
@@ -56,7 +54,7 @@ class MarkerPublisher:
         self._next_full = 0.0
         self._subscriber_revision: object = None
         self._walls_due: List[float] = []  # when they are published again
-        self._walls = WallVisualization(world.layers, FRAME_ID, transport)
+        self._walls = WallVisualization(world.layers, partial(self._advertise, latch=True))
         self._models: Dict[str, _ModelDisplay] = {}
         self._closing: List[Publisher] = []  # of deleted models
         self._all = self._advertise("models", MarkerArray, latch=False)
@@ -86,7 +84,7 @@ class MarkerPublisher:
         if is_full:
             self._next_full = now + _FULL_PERIOD
         for_all = self._all.has_subscribers
-        parts = [_DELETE_ALL] if has_changed else []
+        parts = [DELETE_ALL] if has_changed else []
         for display in self._models.values():
             if (display.has_subscribers() or for_all) and (display.markers.place() or is_full):
                 parts.append(display.publish())
@@ -133,7 +131,7 @@ class _ModelDisplay:
     ) -> None:
         self.model = model
         self._transport = transport
-        self.markers = ModelMarkers(model, FRAME_ID)
+        self.markers = ModelMarkers(model)
         self._publisher = publisher
         self._had_subscribers = False
 
@@ -160,6 +158,6 @@ class _ModelDisplay:
         """
         if self._publisher is None:
             return []
-        self._publisher.publish(array_of([_DELETE_ALL]))
+        self._publisher.publish(array_of([DELETE_ALL]))
         self._transport.forget(self._publisher)  # a new model of the same name has the same topic
         return [self._publisher]

@@ -3,15 +3,14 @@
 import logging
 from contextlib import contextmanager
 from functools import partial
-from typing import Any, Callable, Dict, Iterator, List, Optional, TypeVar
+from typing import Any, Callable, Dict, Iterator, List, Optional, Tuple, TypeVar
 
 from flatland_server.exceptions import FlatlandError, ModelError, shortened
 from flatland_server.geometry import Pose
 from flatland_server.hub.client_edits import Edit
 from flatland_server.hub.client_files import EntryError
-from flatland_server.hub.hub import Hub
-from flatland_server.hub.map_to_odom import FRAME_ID
-from flatland_server.messages.conversions import yaw_of
+from flatland_server.hub.hub import Action, Hub
+from flatland_server.messages.conversions import FRAME_ID, yaw_of
 from flatland_server.messages.message_types import get
 from flatland_server.messages.model_markers import preview
 from flatland_server.models.model import ModelText
@@ -22,6 +21,9 @@ logger = logging.getLogger(__name__)
 MarkerArray = get("visualization_msgs/MarkerArray")
 
 T = TypeVar("T")
+
+_Source = Callable[[Any], ModelSource]
+"""Finds the model that a request of SpawnModel names."""
 
 _NOT_REGISTERED = "spawned; its topics can be used when the ROS master answers"
 
@@ -40,16 +42,17 @@ class ModelServices:
     """
 
     def __init__(self, hub: Hub, initial_pose: str = "") -> None:
+        self._hub = hub
         self._world = hub.world
         self._edits = hub.edits
         self._transport = hub.transport
         self._files = hub.files
         self._streamed: Optional[Edit] = None  # by messages
-        actions = {
-            "spawn_model": ("SpawnModel", self._spawn_model),
-            "spawn_model_from_string": ("SpawnModel", self._spawn_from_string),
-            "spawn_models": ("SpawnModels", self._spawn_models),
-            "spawn_models_from_string": ("SpawnModels", self._spawn_all_from_string),
+        actions: Dict[str, Tuple[str, Action]] = {
+            "spawn_model": ("SpawnModel", partial(self._spawn_model, self._file)),
+            "spawn_model_from_string": ("SpawnModel", partial(self._spawn_model, _text)),
+            "spawn_models": ("SpawnModels", partial(self._spawn_models, self._file)),
+            "spawn_models_from_string": ("SpawnModels", partial(self._spawn_models, _text)),
             "delete_model": ("DeleteModel", self._delete_model),
             "delete_models": ("DeleteModels", self._delete_models),
             "move_model": ("MoveModel", self._move_model),
@@ -67,27 +70,21 @@ class ModelServices:
                 partial(self._obey_initial_pose, initial_pose),
             )
 
-    def _spawn_model(self, request: Any) -> Dict[str, Any]:
-        return {"message": self._spawn(lambda: self._read(request, self._file), self._add_one)}
+    def _spawn_model(self, source: _Source, request: Any) -> Dict[str, Any]:
+        return {"message": self._spawn(lambda: self._read(request, source), self._add_one)}
 
-    def _spawn_from_string(self, request: Any) -> Dict[str, Any]:
-        return {"message": self._spawn(lambda: self._read(request, _text), self._add_one)}
-
-    def _spawn_models(self, request: Any) -> Dict[str, Any]:
-        return {"message": self._spawn(lambda: self._read_all(request, self._file), self._add_all)}
-
-    def _spawn_all_from_string(self, request: Any) -> Dict[str, Any]:
-        return {"message": self._spawn(lambda: self._read_all(request, _text), self._add_all)}
+    def _spawn_models(self, source: _Source, request: Any) -> Dict[str, Any]:
+        return {"message": self._spawn(lambda: self._read_all(request, source), self._add_all)}
 
     def _file(self, model: Any) -> ModelSource:
         return self._files.model_file(model.yaml_path)
 
-    def _read(self, model: Any, source: Callable[[Any], ModelSource]) -> ModelEntry:
+    def _read(self, model: Any, source: _Source) -> ModelEntry:
         """Reads a model, which has the fields of a request of SpawnModel."""
         pose = _to_pose(model.pose)
         return self._world.read_model_entry(source(model), model.name, model.ns, pose)
 
-    def _read_all(self, request: Any, source: Callable[[Any], ModelSource]) -> List[ModelEntry]:
+    def _read_all(self, request: Any, source: _Source) -> List[ModelEntry]:
         entries = []
         for index, model in enumerate(request.models):
             with _naming_entry("models", index, model.name):
@@ -137,8 +134,7 @@ class ModelServices:
         return "; ".join(filter(None, warnings))
 
     def _delete_model(self, request: Any) -> None:
-        self._transport.call(lambda: self._edits.delete([self._world.get_model(request.name).name]))
-        self._transport.wait_until_registered()
+        self._hub.change(lambda: self._edits.delete([self._world.get_model(request.name).name]))
 
     def _delete_models(self, request: Any) -> None:
         def delete() -> None:
@@ -149,8 +145,7 @@ class ModelServices:
                         raise ModelError("the name is given twice")
             self._edits.delete(request.name)
 
-        self._transport.call(delete)
-        self._transport.wait_until_registered()
+        self._hub.change(delete)
 
     def _move_model(self, request: Any) -> None:
         pose = _to_pose(request.pose)
@@ -173,13 +168,7 @@ class ModelServices:
         self._edits.move(name, Pose(x, y, yaw))
 
     def _revert(self, done: str, action: Callable[[], str]) -> Dict[str, Any]:
-        def revert() -> str:
-            with self._transport.registration():
-                return action()
-
-        text = self._transport.call(revert)
-        self._transport.wait_until_registered()
-        return {"message": f"{done}: {text}"}
+        return {"message": f"{done}: {self._hub.change(action)}"}
 
     def _get_markers(self, request: Any) -> Dict[str, Any]:
         markers = preview(self._world.read_model(self._files.model_file(request.yaml_path)))

@@ -10,9 +10,8 @@ import numpy as np
 from flatland_server.arrays import Int8Array, Segments
 from flatland_server.exceptions import YamlError
 from flatland_server.geometry import Pose
-from flatland_server.hub.map_to_odom import FRAME_ID
 from flatland_server.maps.line_map import ServerMap
-from flatland_server.messages.conversions import fill_pose, header
+from flatland_server.messages.conversions import FRAME_ID, fill_pose, header
 from flatland_server.messages.message_types import get
 from flatland_server.models.layer import Layer, LayerConfig
 from flatland_server.simulation.world import World

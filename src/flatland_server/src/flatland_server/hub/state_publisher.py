@@ -49,7 +49,7 @@ class StatePublisher:
             TYPES.Time(0, now_simulated),
             paused,
             rate,
-            manager.real_time_factor,
+            manager.pacer.real_time_factor,
             TYPES.Time(0, begin),
             TYPES.Time(0, end),
             self._edits.count,

@@ -2,7 +2,7 @@
 
 import logging
 from concurrent.futures import Future
-from typing import Any, Callable, Dict, Optional
+from typing import Any, Dict, Optional
 
 from flatland_server.arguments import steps_in
 from flatland_server.exceptions import FlatlandError, UsageError
@@ -97,7 +97,7 @@ class StateServices:
     def _reset(self, request: Any) -> None:
         seed = request.seed if request.new_seed else None
         keep_time = not request.restart_time
-        self._change(lambda: self._manager.reset(seed, keep_time=keep_time))
+        self._hub.change(lambda: self._manager.reset(seed, keep_time=keep_time))
 
     def _reload_world(self, request: Any) -> Dict[str, Any]:
         registry = self._manager.world.registry
@@ -108,14 +108,14 @@ class StateServices:
                 raise FlatlandError("another world was loaded while the file was read; try again")
             self._manager.reload(config)
 
-        self._change(reload)
+        self._hub.change(reload)
         return {"message": f"{config.path} is loaded"}
 
     def _open_world(self, request: Any) -> Dict[str, Any]:
         config: WorldConfig = self._manager.world.read_config(
             self._hub.files.world_file(request.path)
         )
-        self._change(lambda: self._manager.reload(config, keep_time=False))
+        self._hub.change(lambda: self._manager.reload(config, keep_time=False))
         for tell in self._hub.on_open:
             tell(str(config.path))
         return {"message": f"{config.path} is open"}
@@ -135,7 +135,7 @@ class StateServices:
 
     def _load_state(self, request: Any) -> None:
         state = read_state(self._hub.files.state(request.path))
-        self._change(lambda: self._manager.load_state(state))
+        self._hub.change(lambda: self._manager.load_state(state))
 
     def _seek(self, request: Any) -> None:
         def seek() -> None:
@@ -144,17 +144,7 @@ class StateServices:
             self._manager.seek(request.time)
             self._manager.pause()  # else the sought time would have passed before it is seen
 
-        self._change(seek)
-
-    def _change(self, action: Callable[[], object]) -> None:
-        """Rebuilds the world on the simulation's thread."""
-
-        def change() -> None:
-            with self._transport.registration():
-                action()
-
-        self._transport.call(change)
-        self._transport.wait_until_registered()
+        self._hub.change(seek)
 
 
 def _control_steps(control_period: Optional[float], step_size: float) -> int:

@@ -9,17 +9,16 @@ from typing import Any, Callable, Dict, List, Tuple
 import numpy as np
 
 from flatland_server.arrays import Segments
-from flatland_server.messages.layer_walls import walls_of
 from flatland_server.messages.message_types import get
 from flatland_server.messages.serialized_markers import (
+    DELETE_ALL,
     LazyMarkerArray,
     MarkerBytes,
     array_of,
-    delete_all,
 )
-from flatland_server.messages.wall_markers import flat_walls, upright_walls
+from flatland_server.messages.wall_markers import flat_walls, upright_walls, walls_of
 from flatland_server.models.layer import Layer, LayerConfig
-from flatland_server.transport.transport import Publisher, Transport
+from flatland_server.transport.transport import Publisher
 
 MarkerArray = get("visualization_msgs/MarkerArray")
 Walls = get("flatland_msgs/Walls")
@@ -33,15 +32,18 @@ class WallVisualization:
     For each name of a layer, `~debug/layer/<name>` has lines on the ground and
     `~debug/layer/<name>_3d` upright rectangles. `~debug/layers` has the lines of all layers, once;
     `~debug/walls` has the same as flatland_msgs/Walls.
+
+    Args:
+        layers: those of the world.
+        advertise: opens a latched topic, by its name without `~debug/`.
     """
 
-    def __init__(self, layers: List[Layer], frame_id: str, transport: Transport) -> None:
-        self._transport = transport
+    def __init__(self, layers: List[Layer], advertise: Callable[[str, Any], Publisher]) -> None:
+        self._advertise = advertise
         self._layers: List[Layer] = []
-        self._frame_id = frame_id
         self._shown: Dict[str, Tuple[Layer, Segments]] = {}
-        self._all = self._latched("layers", MarkerArray)
-        self._compact = self._latched("walls", Walls)
+        self._all = self._advertise("layers", MarkerArray)
+        self._compact = self._advertise("walls", Walls)
         self._flat: Dict[str, Publisher] = {}
         self._upright: Dict[str, Publisher] = {}
         self.update(layers)
@@ -77,7 +79,7 @@ class WallVisualization:
         if changed or has_other_topics:
             walls = [(layer.config, layer.segments) for layer in layers]
             self._all.publish(self._as_markers(walls))
-            self._compact.publish(walls_of(walls, self._frame_id))
+            self._compact.publish(walls_of(walls))
         return has_other_topics
 
     def publish_again(self) -> None:
@@ -91,8 +93,8 @@ class WallVisualization:
             return False
         former = [*self._flat.values(), *self._upright.values()]
         for publisher in former:
-            publisher.publish(array_of([delete_all(self._frame_id)]))
-        self._flat = {name: self._latched(f"layer/{name}", MarkerArray) for name in names}
+            publisher.publish(array_of([DELETE_ALL]))
+        self._flat = {name: self._advertise(f"layer/{name}", MarkerArray) for name in names}
         self._upright = {}
         for name in names:
             if f"{name}_3d" in names:
@@ -102,7 +104,7 @@ class WallVisualization:
                     *(name, name, name),
                 )
             else:
-                self._upright[name] = self._latched(f"layer/{name}_3d", MarkerArray)
+                self._upright[name] = self._advertise(f"layer/{name}_3d", MarkerArray)
         for publisher in former:
             publisher.close()
         self._shown.clear()
@@ -118,21 +120,13 @@ class WallVisualization:
         return not (is_same and np.array_equal(walls, layer.segments))
 
     def _message(
-        self, make: Callable[[LayerConfig, Segments, str], MarkerBytes], layer: Layer
+        self, make: Callable[[LayerConfig, Segments], MarkerBytes], layer: Layer
     ) -> LazyMarkerArray:
-        config, segments, frame_id = layer.config, layer.segments, self._frame_id
-        return LazyMarkerArray(lambda: array_of([make(config, segments, frame_id)]))
+        config, segments = layer.config, layer.segments
+        return LazyMarkerArray(lambda: array_of([make(config, segments)]))
 
     def _as_markers(self, walls: List[Tuple[LayerConfig, Segments]]) -> LazyMarkerArray:
-        frame_id = self._frame_id
-
-        def make() -> Any:
-            # A viewer may still show the walls of another world.
-            begin = delete_all(frame_id)
-            return array_of([begin, *(flat_walls(*each, frame_id) for each in walls)])
-
-        return LazyMarkerArray(make)
-
-    def _latched(self, topic: str, message_type: Any) -> Publisher:
-        name = f"{self._transport.node_name}/debug/{topic}"
-        return self._transport.advertise(name, message_type, latch=True, queue_size=1)
+        # A viewer may still show the walls of another world.
+        return LazyMarkerArray(
+            lambda: array_of([DELETE_ALL, *(flat_walls(*each) for each in walls)])
+        )

@@ -1,7 +1,7 @@
 """Reads maps into wall segments: images and lists of line segments."""
 
 from flatland_server.maps.line_map import LineMap
-from flatland_server.maps.map_reader import MapConfig, read_map
+from flatland_server.maps.map_reader import MapConfig
 from flatland_server.maps.simplify_outlines import TOLERANCES
 from flatland_server.maps.wall_outlines import bright_pixels
 
@@ -10,5 +10,4 @@ __all__ = [
     "LineMap",
     "MapConfig",
     "bright_pixels",
-    "read_map",
 ]

@@ -6,10 +6,12 @@ A map is a file, or a section of a world file, which has its walls in itself.
 import io
 import logging
 import math
+import threading
 import warnings
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Tuple, TypeVar
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, Optional, Tuple, TypeVar
 
 import numpy as np
 
@@ -22,7 +24,6 @@ from flatland_server.exceptions import YamlError, counted, shortened, suggestion
 from flatland_server.geometry import Pose
 from flatland_server.maps.line_data import read_line_segments
 from flatland_server.maps.simplify_outlines import TOLERANCES, simplify
-from flatland_server.maps.slow_log import log_if_slow
 from flatland_server.maps.wall_outlines import bright_pixels, outlines, transparent_pixels
 
 if TYPE_CHECKING:  # Pillow is imported when an image is read
@@ -31,6 +32,9 @@ if TYPE_CHECKING:  # Pillow is imported when an image is read
 logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
+
+DELAY = 2.0
+"""Real time after which slow operations are logged [s]."""
 
 INLINE = ("segments", "polygons", "circles", "grid")
 """The keys of walls that are in the map itself."""
@@ -173,7 +177,18 @@ class MapConfig:
         return {"segments": self._lines()[0], "scale": self.scale, "origin": origin}
 
     def walls(self, simplify_map: int = 0) -> Segments:
-        """The walls of the map, in the world; see `read_map`."""
+        """The walls of the map, in the world.
+
+        Args:
+            simplify_map: how much outlines of images are simplified: an index of
+                `simplify_outlines.TOLERANCES`; 0 leaves them as they are.
+
+        Returns:
+            Wall segments [m]: shape (n, 4), x1, y1, x2, y2. Read-only.
+
+        Raises:
+            YamlError: something in the image or the data is wrong.
+        """
         numbers = None
         with log_if_slow(f"{self.path}: reading walls takes a while ..."):
             if self.is_image:
@@ -221,24 +236,15 @@ class MapConfig:
         return read_line_segments(self.source)
 
 
-def read_map(
-    path: Path, preprocessor: Optional[YamlPreprocessor] = None, simplify_map: int = 0
-) -> Segments:
-    """The walls of a map, in the world.
-
-    Args:
-        path: of the map's YAML file.
-        preprocessor: evaluates the file's expressions, with their parameters.
-        simplify_map: how much outlines of images are simplified: an index of
-            `simplify_outlines.TOLERANCES`; 0 leaves them as they are.
-
-    Returns:
-        Wall segments [m]: shape (n, 4), x1, y1, x2, y2. Read-only.
-
-    Raises:
-        YamlError: something in the file, or in the image or data that it names, is wrong.
-    """
-    return MapConfig.from_file(path, preprocessor).walls(simplify_map)
+@contextmanager
+def log_if_slow(message: str) -> Iterator[None]:
+    """Logs a message if the block is still running after `DELAY`: it might be taken for hung."""
+    timer = threading.Timer(DELAY, logger.info, (message,))
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 def read_image(path: Path, to_pixels: Callable[["Image.Image"], T]) -> T:

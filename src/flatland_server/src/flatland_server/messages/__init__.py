@@ -17,8 +17,6 @@ from flatland_server.messages.definition import FieldType as FieldType
 from flatland_server.messages.message_types import TYPES as TYPES
 from flatland_server.messages.message_types import add, get
 from flatland_server.messages.message_types import deserialized as deserialized
-from flatland_server.messages.object_budget import ObjectBudget as ObjectBudget
-from flatland_server.messages.object_budget import objects_in as objects_in
 from flatland_server.messages.service_types import ServiceType as ServiceType
 from flatland_server.messages.stamps import set_stamp_offset as set_stamp_offset
 from flatland_server.messages.stamps import stamp_of
@@ -26,6 +24,8 @@ from flatland_server.messages.stamps import stamp_offset as stamp_offset
 from flatland_server.messages.standard_definitions import written_out as written_out
 from flatland_server.messages.wire_form import LENGTH as LENGTH
 from flatland_server.messages.wire_form import WRONG_VALUE as WRONG_VALUE
+from flatland_server.messages.wire_form import ObjectBudget as ObjectBudget
+from flatland_server.messages.wire_form import objects_in as objects_in
 from flatland_server.messages.wire_form import serialized as serialized
 
 if TYPE_CHECKING:

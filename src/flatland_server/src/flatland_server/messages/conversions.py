@@ -7,6 +7,9 @@ from flatland_server.geometry import Pose, Transform, quaternion
 from flatland_server.messages.message_types import TYPES
 from flatland_server.messages.stamps import stamp_of
 
+FRAME_ID = "map"
+"""The frame of the world."""
+
 
 def ros_time(nanoseconds: int) -> Any:
     """The stamp of a simulated time, as a ROS time.

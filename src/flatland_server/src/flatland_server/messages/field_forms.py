@@ -15,13 +15,13 @@ import numpy as np
 
 from flatland_server.exceptions import shortened
 from flatland_server.messages.definition import NUMBERS, Definition, FieldType
-from flatland_server.messages.object_budget import objects_in
 from flatland_server.messages.wire_form import (
     LENGTH,
     WRONG_VALUE,
     Part,
     Reader,
     WireForm,
+    objects_in,
     with_owner,
 )
 

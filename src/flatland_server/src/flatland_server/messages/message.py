@@ -3,7 +3,7 @@
 import dataclasses
 import inspect
 from functools import partial
-from typing import Any, Callable, ClassVar, Dict, List, Optional, Tuple, Type
+from typing import Any, Callable, ClassVar, Dict, List, Tuple, Type
 
 import numpy as np
 
@@ -187,8 +187,3 @@ def _are_equal(a: Any, b: Any) -> bool:
     if isinstance(a, (list, tuple)) and isinstance(b, (list, tuple)):
         return len(a) == len(b) and all(map(_are_equal, a, b))
     return bool(a == b)
-
-
-def base_classes(genpy_message: Optional[type]) -> Tuple[type, ...]:
-    """The bases of message classes: rospy publishes only what is derived from `genpy.Message`."""
-    return (Message,) if genpy_message is None else (Message, genpy_message)

@@ -8,7 +8,7 @@ So a plugin that never imports a ROS package runs with ROS and without.
 """
 
 import importlib
-from functools import cached_property, lru_cache
+from functools import cached_property
 from pathlib import Path
 from threading import RLock
 from typing import Any, Callable, Dict, Iterator, List, Optional, Set, Tuple
@@ -24,7 +24,7 @@ from flatland_server.messages.definition import (
     split_full_text,
 )
 from flatland_server.messages.field_forms import wire_form
-from flatland_server.messages.message import base_classes, make_class
+from flatland_server.messages.message import Message, make_class
 from flatland_server.messages.standard_definitions import standard_definitions
 from flatland_server.messages.wire_form import Reader, WireForm
 
@@ -148,7 +148,8 @@ class MessageTypes:
         used = self._all_used(name)
         return make_class(
             definition,
-            base_classes(self._genpy.Message if self._genpy else None),
+            # rospy publishes only what is derived from genpy's.
+            (Message, self._genpy.Message) if self._genpy else (Message,),
             self._factory,
             self._wire_form(name),
             restore,
@@ -208,8 +209,8 @@ class MessageTypes:
         if cls is not None:
             for used, text in split_full_text(name, cls._full_text):
                 yield used, text, used
-        elif name in _standard():
-            yield name, _standard()[name], name
+        elif name in standard_definitions():
+            yield name, standard_definitions()[name], name
         else:
             for folder in _folders(name.partition("/")[0]):
                 file = folder / f"{name.partition('/')[2]}.msg"
@@ -219,7 +220,7 @@ class MessageTypes:
 
     def _near_miss(self, name: str) -> str:
         """A hint: a type of this name in another package, or one with a similar name."""
-        known = {*self._added, *_standard()}
+        known = {*self._added, *standard_definitions()}
         for package in ("flatland_msgs", name.partition("/")[0]):
             for folder in _folders(package):
                 known.update(f"{package}/{file.stem}" for file in folder.glob("*.msg"))
@@ -228,11 +229,6 @@ class MessageTypes:
             if other.partition("/")[2] == bare:
                 return f' (did you mean "{other}"?)'
         return suggestion(name, sorted(known))
-
-
-@lru_cache(maxsize=1)
-def _standard() -> Dict[str, str]:
-    return standard_definitions()
 
 
 def _folders(package: str) -> List[Path]:

@@ -3,7 +3,7 @@
 from typing import Any, List, Sequence, Tuple
 
 from flatland_server.geometry import Pose
-from flatland_server.messages import fill_pose
+from flatland_server.messages.conversions import FRAME_ID, fill_pose
 from flatland_server.messages.message_types import get
 from flatland_server.messages.serialized_markers import MarkerBytes, MovingMarkers
 from flatland_server.models.footprint import Circle
@@ -27,9 +27,8 @@ Corners = Sequence[Tuple[float, float]]
 class ModelMarkers:
     """The markers of a model in the world."""
 
-    def __init__(self, model: Model, frame_id: str) -> None:
+    def __init__(self, model: Model) -> None:
         self._model = model
-        self._frame_id = frame_id
         self._make()
 
     def _make(self) -> None:
@@ -39,7 +38,7 @@ class ModelMarkers:
         markers = [marker for marker, _ in placed]
         bodies = [model.bodies[name] for _, name in placed]
         for marker in markers:
-            marker.header.frame_id = self._frame_id
+            marker.header.frame_id = FRAME_ID
         self._markers = MovingMarkers(markers)
         self._unique = list(dict.fromkeys(bodies))
         self._index = [self._unique.index(body) for body in bodies]

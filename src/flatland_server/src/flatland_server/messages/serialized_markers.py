@@ -5,8 +5,9 @@ from io import BytesIO
 from typing import Any, Callable, Iterable, List, NamedTuple
 
 from flatland_server.geometry import Pose, quaternion
+from flatland_server.messages.conversions import FRAME_ID
 from flatland_server.messages.message_types import get
-from flatland_server.messages.prepared_message import PreparedMessage
+from flatland_server.messages.wire_form import LENGTH
 
 Header = get("std_msgs/Header")
 Marker = get("visualization_msgs/Marker")
@@ -15,8 +16,16 @@ MarkerArray = get("visualization_msgs/MarkerArray")
 _POSE = struct.Struct("<7d")
 
 
-class SerializedMarkerArray(PreparedMessage, MarkerArray):  # type: ignore[misc, valid-type]
+class SerializedMarkerArray(MarkerArray):  # type: ignore[misc, valid-type]
     """A MarkerArray that is serialized already."""
+
+    def __init__(self, data: bytes) -> None:
+        super().__init__()
+        self._data = data
+
+    def serialize(self, buff: Any) -> None:
+        """Writes the array into a buffer; called by rospy."""
+        buff.write(self._data)
 
 
 class LazyMarkerArray(MarkerArray):  # type: ignore[misc, valid-type]
@@ -48,7 +57,7 @@ class MarkerBytes(NamedTuple):
 def array_of(parts: Iterable[MarkerBytes]) -> SerializedMarkerArray:
     """One message with the markers of all parts."""
     parts = list(parts)
-    length = struct.pack("<I", sum(part.number for part in parts))
+    length = LENGTH.pack(sum(part.number for part in parts))
     return SerializedMarkerArray(length + b"".join(part.data for part in parts))
 
 
@@ -60,14 +69,9 @@ def serialized(markers: List[Any]) -> MarkerBytes:
     return MarkerBytes(len(markers), buffer.getvalue())
 
 
-def delete_all(frame_id: str) -> MarkerBytes:
-    """A marker at which rviz deletes all markers of the topic.
-
-    Args:
-        frame_id: any known frame: without one, rviz would process the marker before those that it
-            is to delete.
-    """
-    return serialized([Marker(action=Marker.DELETEALL, header=Header(frame_id=frame_id))])
+# Without a known frame, rviz would process it before those that it is to delete.
+DELETE_ALL = serialized([Marker(action=Marker.DELETEALL, header=Header(frame_id=FRAME_ID))])
+"""A marker at which rviz deletes all markers of the topic."""
 
 
 class MovingMarkers:

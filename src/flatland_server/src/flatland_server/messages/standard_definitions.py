@@ -9,7 +9,8 @@ a type with one or more fields or constants:
     NavSatStatus: int8 STATUS_NO_FIX=-1 STATUS_FIX=0 ...; int8 status; uint16 service
 """
 
-from typing import Dict, Iterator, List
+from functools import lru_cache
+from typing import Dict, Iterator
 
 _SHORTHANDS = {
     "ackermann_msgs": """
@@ -206,6 +207,7 @@ MenuEntry: uint32 id parent_id; string title command; uint8 FEEDBACK=0 ROSRUN=1 
 }
 
 
+@lru_cache(maxsize=1)
 def standard_definitions() -> Dict[str, str]:
     """The definitions in the .msg grammar, by name."""
     definitions: Dict[str, str] = {}
@@ -216,15 +218,11 @@ def standard_definitions() -> Dict[str, str]:
 
 def written_out(package: str, shorthand: str) -> Dict[str, str]:
     """The definitions of a package in the .msg grammar, by name."""
+    lines = shorthand.strip().replace("\n    ", " ").splitlines()
     return {
         f"{package}/{name.strip()}": "".join(_lines(parts))
-        for name, _, parts in (line.partition(":") for line in _unwrapped(shorthand))
+        for name, _, parts in (line.partition(":") for line in lines)
     }
-
-
-def _unwrapped(shorthand: str) -> List[str]:
-    """The lines of a shorthand, each with those that continue it."""
-    return shorthand.strip().replace("\n    ", " ").splitlines()
 
 
 def _lines(parts: str) -> Iterator[str]:

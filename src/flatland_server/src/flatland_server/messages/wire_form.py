@@ -11,13 +11,45 @@ from io import BytesIO
 from typing import Any, List, Optional, Sequence, Tuple
 
 from flatland_server.exceptions import MessageError, shortened
-from flatland_server.messages.object_budget import MOST_OBJECTS, ObjectBudget
 
 WRONG_VALUE = (struct.error, ArithmeticError, AttributeError, TypeError, ValueError)
 """The exceptions that wrong field values raise during serialization."""
 
 LENGTH = struct.Struct("<I")
 """The length of a string or array, which precedes its content."""
+
+MOST_OBJECTS = 100_000
+"""Messages within a message: some 20 MB."""
+
+
+class ObjectBudget:
+    """The objects that may still be made of received data, of which a few bytes may mean many.
+
+    Args:
+        most: greatest number of objects.
+    """
+
+    def __init__(self, most: int = MOST_OBJECTS) -> None:
+        self._left = self._most = most
+
+    def take(self, count: int) -> None:
+        """Counts objects, before they are made.
+
+        Raises:
+            MessageError: there are too many.
+        """
+        self._left -= count
+        if self._left < 0:
+            raise MessageError(f"expected {self._most} messages within a message or fewer")
+
+
+def objects_in(value: Any) -> int:
+    """The messages and times that a default value is made of, and eighths of numbers in arrays."""
+    if isinstance(value, (list, bytes)):
+        return len(value) // 8 + sum(map(objects_in, value))
+    if not hasattr(value, "__slots__"):
+        return 0
+    return 1 + sum(objects_in(getattr(value, name)) for name in value.__slots__)
 
 
 class Reader:

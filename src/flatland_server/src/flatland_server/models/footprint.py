@@ -6,7 +6,7 @@ from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 from flatland_server import _core
 from flatland_server.arguments import shown
-from flatland_server.config.plain_nodes import plain_copy, to_node
+from flatland_server.config.plain_nodes import to_node
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point
@@ -153,7 +153,7 @@ class Footprint:
         else:
             raise UsageError(f"expected a Circle or a Polygon, found {shown(shape)}")
         keys.update(density=self.density, layers=self.layers if layers is None else layers)
-        reader = YamlReader(to_node(plain_copy(keys, model, path), model), path)
+        reader = YamlReader(to_node(keys, model, path), path)
         read = self.read(reader, registry, _core.FixtureChecker("static"))
         changes: Dict[str, Any] = {"shape": read.shape} if shape_given else {}
         if layers is not None:

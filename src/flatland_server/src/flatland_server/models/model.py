@@ -7,7 +7,6 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Seq
 
 from flatland_server import _core
 from flatland_server.arguments import whole_number
-from flatland_server.config.plain_nodes import plain_copy
 from flatland_server.config.ros_names import bare_namespace, namespaced_frame
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
@@ -70,43 +69,6 @@ class ModelConfig:
             YamlError: something in it is wrong. Plugins check their own keys when they start.
         """
         return cls.read(YamlReader.from_file(path, preprocessor), registry)
-
-    @classmethod
-    def from_content(
-        cls,
-        content: Mapping[str, Any],
-        registry: CollisionFilterRegistry,
-        preprocessor: Optional[YamlPreprocessor] = None,
-    ) -> "ModelConfig":
-        """Reads the content of a model file from plain data; see `from_file`.
-
-        Args:
-            content: plain data; see `plain_nodes.plain_copy`.
-            registry: as for `from_file`.
-            preprocessor: as for `from_file`.
-        """
-        copy = plain_copy(content, "model")
-        reader = YamlReader.from_content(copy, "model", preprocessor)
-        return replace(cls.read(reader, registry), content=copy)
-
-    @classmethod
-    def from_text(
-        cls,
-        source: ModelText,
-        folder: Path,
-        registry: CollisionFilterRegistry,
-        preprocessor: Optional[YamlPreprocessor] = None,
-    ) -> "ModelConfig":
-        """Reads the text of a model file; see `from_file`.
-
-        Args:
-            source: YAML text of a model file.
-            folder: where relative paths in it begin.
-            registry: as for `from_file`.
-            preprocessor: as for `from_file`.
-        """
-        reader = YamlReader.from_text(*source, folder, preprocessor)
-        return replace(cls.read(reader, registry), content=source.text)
 
     @classmethod
     def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "ModelConfig":

@@ -11,7 +11,6 @@ from typing import (
     NamedTuple,
     Optional,
     Sequence,
-    Set,
     Tuple,
     Type,
     TypeVar,
@@ -29,8 +28,9 @@ from flatland_server.plugins.plugin_factory import PluginFactory
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.plugins.schedule import NO_CALLS, Schedule, Work
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.transport.frame_registry import OdometryFrame
+from flatland_server.transport.frame_registry import FrameRegistry
 from flatland_server.transport.node import Node
+from flatland_server.transport.topic_registry import TopicRegistry
 from flatland_server.transport.transport import Transport
 
 logger = logging.getLogger(__name__)
@@ -87,6 +87,10 @@ class PluginManager:
         revision: counts the changes of plugins; the world's, which may get another manager.
 
     Attributes:
+        frames: the frames that running plugins have claimed.
+        topics: the topics of running plugins.
+        contacts: calls the contact hooks.
+        schedule: tells the step hooks that are due.
         plan: the time until which no step hook or contact hook is to be called, if known.
     """
 
@@ -100,13 +104,15 @@ class PluginManager:
         revision: PluginRevision,
     ) -> None:
         self._transport = transport
-        self._root_node = Node(transport)
-        self._factory = PluginFactory(self._root_node, loader, seed)
+        self.frames = FrameRegistry()
+        self.topics = TopicRegistry(transport)
+        root_node = Node(transport, frames=self.frames, topics=self.topics)
+        self._factory = PluginFactory(root_node, loader, seed)
         self._plugins: Dict[str, List[Plugin]] = {}  # by the model's name; "" is the world
         self._failures: Dict[Plugin, PluginFailure] = {}
-        self._contacts = ContactDispatcher(physics, entities, self._call)
-        self._schedule = Schedule(self._work_of, lambda: self._contacts.is_listening)
-        self.plan = self._schedule.plan
+        self.contacts = ContactDispatcher(physics, entities, self._call)
+        self.schedule = Schedule(self._work_of, lambda: self.contacts.is_listening)
+        self.plan = self.schedule.plan
         self._step_calls = NO_CALLS
         self.on_failure: Optional[FailureHandler] = None
         """Called when a plugin has failed and is switched off; None: failures are logged."""
@@ -138,23 +144,9 @@ class PluginManager:
         return list(self._plugins.get(model_name, []))
 
     @property
-    def odometry_frames(self) -> Set[OdometryFrame]:
-        """The frames of odometry that running plugins have claimed."""
-        return self._root_node.odometry_frames
-
-    @property
-    def topics(self) -> Dict[str, str]:
-        """The types of the topics that running plugins have, by their absolute names."""
-        return self._root_node.topic_types
-
-    @property
     def failures(self) -> List[PluginFailure]:
         """The plugins that were switched off, of the models that still exist."""
         return list(self._failures.values())
-
-    def refresh(self, entity: Entity) -> None:
-        """Must be called after new bodies were added to an entity."""
-        self._contacts.refresh(entity)
 
     def start(
         self,
@@ -201,10 +193,10 @@ class PluginManager:
             hooks = _overridden_hooks(plugin)
             step_hooks = {name: hooks[name] for name in STEP_HOOKS if name in hooks}
             if step_hooks:
-                self._schedule.add(plugin, step_hooks)
-            self._contacts.add(plugin, entity, hooks)
+                self.schedule.add(plugin, step_hooks)
+            self.contacts.add(plugin, entity, hooks)
         if entity is not None:
-            self._contacts.refresh(entity)
+            self.contacts.refresh(entity)
 
     def stop(self, model_name: str) -> None:
         """Stops the plugins of a model or of the world, in the reverse order of their start."""
@@ -226,34 +218,21 @@ class PluginManager:
         revision = self._transport.subscriber_revision
         if revision != self._transport.subscriber_revision:
             return 0
-        steps = self._schedule.steps_without_calls(timekeeper, revision, limit)
+        steps = self.schedule.steps_without_calls(timekeeper, revision, limit)
         if steps > 0:
             self._step_calls = NO_CALLS  # the calls of the last step would keep plugins alive
         return steps
-
-    def pass_over(self, nanoseconds: int) -> None:
-        """Brings the timers of all plugins up to date, after a step at this time [ns]."""
-        self._schedule.pass_over(nanoseconds)
-
-    @property
-    def before_contact_hooks(self) -> Optional[Callable[[], None]]:
-        """Called before the hooks of each contact event, if it is set."""
-        return self._contacts.before_delivery
-
-    @before_contact_hooks.setter
-    def before_contact_hooks(self, callback: Optional[Callable[[], None]]) -> None:
-        self._contacts.before_delivery = callback
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Calls `prepare_step` and `before_physics_step` of all plugins that are due.
 
         In between, the core writes the messages of the others.
         """
-        self._step_calls = self._schedule.calls(timekeeper, self._transport.subscriber_revision)
+        self._step_calls = self.schedule.calls(timekeeper, self._transport.subscriber_revision)
         hooks = self._step_calls.hooks
         if hooks["prepare_step"]:
             self._call_step_hooks("prepare_step", timekeeper)
-        messages = self._schedule.messages
+        messages = self.schedule.messages
         if messages is not None:
             messages.begin(timekeeper.nanoseconds)
         if hooks["before_physics_step"]:
@@ -265,7 +244,7 @@ class PluginManager:
         """Calls `after_physics_step` of all plugins that were due before the step."""
         if self._step_calls.plugins:
             self._call_step_hooks("after_physics_step", timekeeper)
-            self._schedule.renew_plan()
+            self.schedule.renew_plan()
 
     def draw(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
         """Calls `draw` of all running plugins."""
@@ -275,7 +254,7 @@ class PluginManager:
 
     def publish_now(self, topic: str, timekeeper: Timekeeper) -> None:
         """Calls `Plugin.publish_now` of the running plugins that publish a topic."""
-        owners = self._root_node.owners_of(topic)
+        owners = self.topics.owners_of(topic)
         for _, plugin in self.all_plugins():
             if plugin.node.owner in owners and plugin not in self._failures:
                 self._call(plugin, "publish_now", plugin.publish_now, timekeeper)
@@ -329,8 +308,8 @@ class PluginManager:
         self.switch_off(plugin, failure)
 
     def _stop_calling(self, plugins: Sequence[Plugin]) -> None:
-        self._schedule.remove(plugins)
-        self._contacts.remove(plugins)
+        self.schedule.remove(plugins)
+        self.contacts.remove(plugins)
 
     def _shut_down_all(self, model_name: str) -> None:
         """Shuts down the plugins of a model or of the world, which are not called any more."""

@@ -1,4 +1,7 @@
-"""Logging of Python and ROS: records go to rosout, and those that cannot be written are dropped."""
+"""Logging of Python and ROS: records go to rosout, those of loading to a topic of the window.
+
+Records that cannot be written are dropped.
+"""
 
 import contextlib
 import logging
@@ -6,6 +9,9 @@ import sys
 from typing import Iterator
 
 import rospy
+from std_msgs.msg import UInt8
+
+from flatland_server.simulation import load_progress
 
 _OTHERS = ("ros", "tf2_ros", "PIL")
 """Prefixes of loggers that ROS handles itself, or that do not concern users."""
@@ -19,6 +25,20 @@ class RosLogHandler(logging.Handler):
             return
         log = {"WARNING": rospy.logwarn, "ERROR": rospy.logerr, "CRITICAL": rospy.logfatal}
         log.get(record.levelname, rospy.loginfo)("%s", self.format(record))
+
+
+class LoadingPublisher(logging.Handler):
+    """Publishes the progress of loading a large world, for the window: `~loading`, in percent."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._publisher = rospy.Publisher("~loading", UInt8, queue_size=1, latch=True)
+        load_progress.logger.addHandler(self)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        percent = getattr(record, "percent", None)
+        if percent is not None:
+            self._publisher.publish(percent)
 
 
 def tolerate_write_errors() -> None:

@@ -5,8 +5,6 @@ thread when that calls `process`, so that a plugin never sees a half-stepped wor
 """
 
 import logging
-import threading
-import time
 from collections import Counter, deque
 from typing import Any, Callable, ContextManager, Deque, Dict, Mapping, Optional, Sequence, Tuple
 from typing import Counter as CounterType
@@ -16,19 +14,19 @@ from tf2_msgs.msg import TFMessage
 
 from flatland_server._core import BodyMessage, StepMessage
 from flatland_server.geometry import Transform
+from flatland_server.messages.wire_form import LENGTH
 from flatland_server.ros import raw_messages
 from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.rospy_patches import RospyCalls
-from flatland_server.ros.subscriber_counter import SubscriberCounter
+from flatland_server.ros.rospy_patches.public_rospy import SubscriberCounter
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.arrivals import Arrival
-from flatland_server.transport.message_writer import MessageWriter
-from flatland_server.transport.node import Frames, Publisher, Subscription
 from flatland_server.transport.serialized_transforms import SerializedFrames, TransformQueue
 from flatland_server.transport.served_transport import ServedTransport
 from flatland_server.transport.static_transforms import TOPIC as TF_STATIC
 from flatland_server.transport.static_transforms import StaticTransforms
 from flatland_server.transport.topic_registry import ANY_TYPE, type_name
+from flatland_server.transport.transport import Frames, MessageWriter, Publisher, Subscription
 
 logger = logging.getLogger(__name__)
 
@@ -63,7 +61,6 @@ class RosTransport(ServedTransport):
         """Called before messages are sent and callbacks are run, to send what must arrive first."""
         self._outbox = rospy_calls.outbox
         self._waiting: Deque[Callable[[], None]] = deque()
-        self._arrival = threading.Event()
         self._transforms = TransformQueue()
         self._subscriber_counter = SubscriberCounter()
         self.publisher_counts: CounterType[str] = Counter()
@@ -132,20 +129,12 @@ class RosTransport(ServedTransport):
     def process(self, timeout: float = 0.0) -> None:
         self.has_started = True
         if self._waiting:
-            self._run_callbacks()
+            self._run_posted()
         if timeout <= 0.0:  # at full speed, this is called at each step
             self._outbox.is_open = self._outbox.can_hold
             return
         self.release()
-        deadline = time.monotonic() + timeout
-        remaining = timeout
-        while remaining > 0.0 and not self.is_ending:
-            self._arrival.wait(remaining)
-            self._arrival.clear()
-            self._run_callbacks()
-            if self.returns_on_arrival:
-                return
-            remaining = deadline - time.monotonic()
+        self._run_for(timeout)
 
     def end(self) -> None:
         """Makes the simulation end after the current wait of `process`; for any thread.
@@ -187,7 +176,7 @@ class RosTransport(ServedTransport):
         if message:
             if not self._outbox.is_open:
                 self.before_sending()
-            self.rospy_calls.send_bytes(self._tf, message)
+            self.rospy_calls.send_framed(self._tf, LENGTH.pack(len(message)) + message)
         outbox = self._outbox
         if outbox.is_due() if outbox.is_open else not outbox.is_empty():
             self.release()
@@ -201,7 +190,7 @@ class RosTransport(ServedTransport):
         self.before_sending()
         self._outbox.send()
 
-    def _run_callbacks(self) -> None:
+    def _run_posted(self) -> None:
         self.release()
         while self._waiting and not self.is_ending:
             try:
@@ -217,7 +206,7 @@ class _RosPublisher(Publisher):
         self._name = name
         self._outbox = transport.rospy_calls.outbox
         self._is_connected = transport.rospy_calls.is_connected
-        self._send_bytes = transport.rospy_calls.send_bytes
+        self._send_framed = transport.rospy_calls.send_framed
 
     @property
     def has_subscribers(self) -> bool:
@@ -232,7 +221,8 @@ class _RosPublisher(Publisher):
         if self._is_connected(self._publisher):
             if not self._outbox.is_open:
                 self._transport.before_sending()
-            self._send_bytes(self._publisher, writer.data(*values))
+            data = writer.data(*values)
+            self._send_framed(self._publisher, LENGTH.pack(len(data)) + data)
 
     def step_message(self, message: BodyMessage) -> Optional[StepMessage]:
         return self._outbox.step_message(self._publisher, message)

@@ -18,8 +18,7 @@ from flatland_server.hub.server_config import ServerConfig
 from flatland_server.ros import open_files, other_publishers, rospy_patches
 from flatland_server.ros.clock import warn_of_other_times
 from flatland_server.ros.launch_arguments import check_launch_arguments, parent_command_line
-from flatland_server.ros.loading_publisher import LoadingPublisher
-from flatland_server.ros.log_handler import RosLogHandler, tolerate_write_errors
+from flatland_server.ros.log_handler import LoadingPublisher, RosLogHandler, tolerate_write_errors
 from flatland_server.ros.other_localisers import OtherLocalisers
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.server_parameters import RosConfig, read_config

@@ -126,10 +126,6 @@ class DeferredActions:
             _, failure = self.pending.popleft()
             logger.error("%s: %s", failure, reason)
 
-    def clear(self) -> None:
-        """Drops the deferred actions."""
-        self.pending.clear()
-
 
 class _Lock(ContextManager[None]):
     """A context that may be nested; it counts how deeply. Lean, since every step enters it."""

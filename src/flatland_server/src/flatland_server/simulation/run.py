@@ -175,13 +175,13 @@ class Run:
             timekeeper.step(physics.completed_steps - counted)
             counted = physics.completed_steps
 
-        plugins.before_contact_hooks = count_steps  # so that they get the time of their step
+        plugins.contacts.before_delivery = count_steps  # so that they get the time of their step
         try:
             with contents.deferred.lock:
                 physics.step_until_contact(timekeeper.step_size, limit)
                 count_steps()
         finally:
-            plugins.before_contact_hooks = None
+            plugins.contacts.before_delivery = None
         if contents.deferred.pending:
             contents.deferred.run_pending()
         self.transport.flush()

@@ -30,7 +30,7 @@ def save(world: World, timekeeper: Timekeeper) -> WorldState:
             from again.
     """
     contents = world.contents
-    contents.plugins.pass_over(timekeeper.nanoseconds - timekeeper.step_nanoseconds)
+    contents.plugins.schedule.pass_over(timekeeper.nanoseconds - timekeeper.step_nanoseconds)
     return replace(
         parts_of(world),
         nanoseconds=timekeeper.nanoseconds,

@@ -45,9 +45,10 @@ class SimulationManager(RunWithHistory):
         if not update_rate > 0:
             raise ValueError(f"expected an update rate above 0 Hz, found {update_rate}")
         super().__init__(world, timekeeper)
-        self._pacer = Pacer(clock)
+        self.pacer = Pacer(clock)
+        """Says when steps are due, and how late they were."""
         if isinstance(timekeeper, WallTimekeeper):
-            self._pacer = WallPacer(timekeeper, clock)
+            self.pacer = WallPacer(timekeeper, clock)
         self.change_rate(update_rate * timekeeper.step_size)
         self.is_paused = False
         self.is_held = False
@@ -61,23 +62,13 @@ class SimulationManager(RunWithHistory):
         if math.isfinite(command_age):
             steps = max(1, round(command_age / timekeeper.step_size))
             self._command_wait = CommandWait(world.transport.arrivals, steps, clock)
-        self.after_jump.append(lambda: self._pacer.start(self.timekeeper.seconds))
+        self.after_jump.append(lambda: self.pacer.start(self.timekeeper.seconds))
         self._request: Optional[StepRequest] = None
 
     @property
     def rate(self) -> float:
         """The requested simulated seconds per second of real time; may be infinite."""
         return self.update_rate * self.timekeeper.step_size
-
-    @property
-    def real_time_factor(self) -> float:
-        """The measured simulated seconds per second of real time, in the last second of `run`."""
-        return self._pacer.real_time_factor
-
-    @property
-    def step_periods(self) -> List[float]:
-        """Real time from the start of each of the latest steps to the next, since a pause [s]."""
-        return self._pacer.step_periods
 
     def change_rate(self, rate: float) -> None:
         """Requests another `rate`: 1 is real time, infinity as fast as the machine can.
@@ -91,7 +82,7 @@ class SimulationManager(RunWithHistory):
         """
         if not rate > 0:
             raise ValueError(f"expected a rate above 0, found {rate}")
-        if isinstance(self._pacer, WallPacer) and not math.isclose(rate, 1.0, rel_tol=1e-6):
+        if isinstance(self.pacer, WallPacer) and not math.isclose(rate, 1.0, rel_tol=1e-6):
             raise UsageError(
                 f"expected a rate of 1, since messages are stamped with real time, found {rate:g}"
             )
@@ -177,7 +168,7 @@ class SimulationManager(RunWithHistory):
         Args:
             goes_on: called before each step; the run ends when it returns False.
         """
-        pacer, transport = self._pacer, self.transport
+        pacer, transport = self.pacer, self.transport
         pacer.start(self.timekeeper.seconds)
         is_hurrying = ends_request = False  # is making the steps of a request; has made the last
         is_late = False  # the controllers are

@@ -107,7 +107,7 @@ class World:
             path: path of the world file.
             transport: as for the class.
             seed: as for the class.
-            simplify_map: how much the outlines of map images are simplified; see `read_map`.
+            simplify_map: how much the outlines of map images are simplified; see `MapConfig.walls`.
             loader: as for the class.
             model_folders: where model files are looked up that are not beside the world file, also
                 those that are spawned later.
@@ -471,12 +471,12 @@ class World:
     @property
     def topics(self) -> Dict[str, str]:
         """The types of the topics that plugins publish or subscribe to, by their absolute names."""
-        return self.contents.plugins.topics
+        return self.contents.plugins.topics.types
 
     @property
     def odometry_frames(self) -> Set[OdometryFrame]:
         """The frames from which drives publish transforms to their bodies, such as "odom"."""
-        return self.contents.plugins.odometry_frames
+        return self.contents.plugins.frames.odometry_frames
 
     @property
     def plugin_count(self) -> int:

@@ -66,7 +66,7 @@ class WorldConfig:
         model_folders: where the names of model files are looked up: the world's folder, and those
             of models.
         path: the world file, if it was read from one.
-        simplify_map: how much the outlines of map images were simplified; see `read_map`.
+        simplify_map: how much the outlines of map images were simplified; see `MapConfig.walls`.
         read_at: when reading it again began [s of time.monotonic]; 0 for a server's first world.
         seed: of the world, if its files have random numbers (math.random).
         with_seed: reads those files with another seed, as they were; None without random numbers.
@@ -102,7 +102,7 @@ class WorldConfig:
         Args:
             path: path of the world file.
             preprocessor: evaluates expressions in the files.
-            simplify_map: how much the outlines of map images are simplified; see `read_map`.
+            simplify_map: how much the outlines of map images are simplified; see `MapConfig.walls`.
             model_folders: where model files are looked up that are not beside the world file.
 
         Raises:
@@ -132,7 +132,7 @@ class WorldConfig:
             simplify_map: as for `from_file`.
             model_folders: as for `from_file`.
         """
-        node = to_node(plain_copy(content, "world"), "world")
+        node = to_node(content, "world")
 
         def open(preprocessor: YamlPreprocessor) -> YamlReader:
             return YamlReader(preprocessor.resolve(node))
@@ -277,11 +277,14 @@ class WorldConfig:
             FlatlandError: there is no such file, or something in it is wrong.
         """
         if isinstance(source, ModelText):
-            folder = self.model_folders[0]
-            return ModelConfig.from_text(source, folder, self.registry, preprocessor)
-        if not isinstance(source, (str, Path)):
-            return ModelConfig.from_content(source, self.registry, preprocessor)
-        return ModelConfig.from_file(self.find_model(source), self.registry, preprocessor)
+            reader = YamlReader.from_text(*source, self.model_folders[0], preprocessor)
+            content: Any = source.text
+        elif isinstance(source, (str, Path)):
+            return ModelConfig.from_file(self.find_model(source), self.registry, preprocessor)
+        else:
+            reader = YamlReader.from_content(source, "model", preprocessor)
+            content = plain_copy(source, "model")  # the caller's may change
+        return replace(ModelConfig.read(reader, self.registry), content=content)
 
     def find_model(self, source: Union[str, Path], base: Path = Path()) -> Path:
         """The path of a model file: as named, beside the world file, or in a folder of models.

@@ -26,8 +26,7 @@ from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
-from flatland_server.transport.message_writer import MessageWriter
-from flatland_server.transport.node import Publisher, Subscription
+from flatland_server.transport.transport import MessageWriter, Publisher, Subscription
 
 P = TypeVar("P", bound=Plugin)
 

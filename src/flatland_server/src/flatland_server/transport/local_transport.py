@@ -9,17 +9,49 @@ run.step()
 transport.last("/odometry/ground_truth")  # the last message published to a topic, or None
 """
 
+from abc import ABC, abstractmethod
 from collections import Counter, deque
 from contextlib import contextmanager
 from typing import Any, Callable, Container, Deque, Dict, Iterator, List, Optional, Set, Tuple
 from typing import Counter as CounterType
 
 from flatland_server.geometry import Transform
-from flatland_server.transport.message_writer import MessageWriter
 from flatland_server.transport.static_transforms import TOPIC as TF_STATIC
 from flatland_server.transport.static_transforms import StaticTransforms
-from flatland_server.transport.tap import Tap
 from flatland_server.transport.transport import Publisher, Subscription, Transport
+
+
+class Tap(ABC):
+    """Receives messages and transforms at once when they are published or sent.
+
+    It counts as a subscriber to the topics that it records.
+    """
+
+    @abstractmethod
+    def wants(self, topic: str) -> bool:
+        """True if the messages of a topic are to be received.
+
+        Args:
+            topic: absolute name of the topic; also "/tf".
+        """
+
+    @abstractmethod
+    def receive(self, topic: str, message: Any, is_latched: bool) -> None:
+        """Receives a message of a topic that it wants.
+
+        Args:
+            topic: absolute name of the topic, such as "/robot1/scan".
+            message: a message of the topic.
+            is_latched: whether new subscribers get it, too.
+        """
+
+    @abstractmethod
+    def receive_transform(self, transform: Transform) -> None:
+        """Receives a transform, if it wants "/tf".
+
+        Args:
+            transform: transform at one time.
+        """
 
 
 class LocalTransport(Transport):
@@ -260,10 +292,6 @@ class _LocalPublisher(Publisher):
                 transport.activity += 1
         if transport._taps:
             transport._pass_on(self._topic, message, self.is_latched)
-
-    def write(self, writer: MessageWriter, *values: Any) -> None:
-        if self.has_subscribers:
-            self.publish(writer.message(*values))
 
     def close(self) -> None:
         if self._is_closed:

@@ -4,14 +4,14 @@ Since a plugin knows only its node, it runs unchanged under roslaunch, in a unit
 program without a ROS master. Callbacks run between steps, on the thread of the simulation.
 """
 
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple
+from typing import Any, Callable, List, NamedTuple, Optional, Tuple
 
 from flatland_server.config.ros_names import namespaced_frame
 from flatland_server.config.yaml_map import warn_once
 from flatland_server.exceptions import PLUGIN_ERRORS, TopicError
 from flatland_server.geometry import Transform
 from flatland_server.messages.message_types import get
-from flatland_server.transport.frame_registry import FrameRegistry, OdometryFrame
+from flatland_server.transport.frame_registry import FrameRegistry
 from flatland_server.transport.namespace_transforms import NamespaceTransforms
 from flatland_server.transport.static_transforms import TOPIC as TF_STATIC
 from flatland_server.transport.topic_registry import TopicRegistry, type_name
@@ -22,8 +22,6 @@ from flatland_server.transport.transport import (
     TransformSender,
     Transport,
 )
-
-__all__ = ["Frames", "Node", "Publisher", "Subscription", "Transport"]
 
 
 class NodeTopic(NamedTuple):
@@ -191,11 +189,6 @@ class Node:
         """True if the topic of transforms has a subscriber."""
         return self._tf.transforms_have_subscribers
 
-    @property
-    def subscriber_revision(self) -> object:
-        """A value that changes whenever a topic gets or loses a subscriber."""
-        return self._transport.subscriber_revision
-
     def claim_frame(self, parent: str, child: str) -> None:
         """Announces that this node publishes a frame; warns if another one does already.
 
@@ -217,24 +210,6 @@ class Node:
             frame_id: name of the odometry frame.
         """
         self._frames.claim_odometry(frame_id, self.owner, self.warn)
-
-    @property
-    def odometry_frames(self) -> Set[OdometryFrame]:
-        """The frames of odometry in use by all plugins."""
-        return self._frames.odometry_frames
-
-    @property
-    def topic_types(self) -> Dict[str, str]:
-        """The types of the topics of all plugins, by their absolute names."""
-        return self._topics.types
-
-    def owners_of(self, topic: str) -> List[str]:
-        """The owners of the nodes that publish or subscribe to a topic.
-
-        Args:
-            topic: absolute name of the topic, such as "/robot1/scan".
-        """
-        return self._topics.owners_of(topic)
 
     def open_frames(self, *names: Tuple[str, str]) -> Frames:
         """Claims frames, and prepares to send their transforms.

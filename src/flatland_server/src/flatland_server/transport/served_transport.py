@@ -1,5 +1,7 @@
 """The interface of a transport for a simulation that other threads talk to."""
 
+import threading
+import time
 from abc import abstractmethod
 from concurrent.futures import Future, wait
 from contextlib import nullcontext
@@ -25,6 +27,10 @@ class ServedTransport(Transport):
     is_ending = False
     can_forget = False
 
+    def __init__(self) -> None:
+        super().__init__()
+        self._arrival = threading.Event()  # of an action that was posted
+
     @abstractmethod
     def post(self, action: Callable[[], None]) -> None:
         """Queues an action for the simulation's thread, between steps.
@@ -32,6 +38,21 @@ class ServedTransport(Transport):
         Args:
             action: called once, between two steps.
         """
+
+    def _run_posted(self) -> None:
+        """Runs the actions that were posted, if they wait for that."""
+
+    def _run_for(self, timeout: float) -> None:
+        """Runs the actions that are posted within a real time [s]."""
+        deadline = time.monotonic() + timeout
+        remaining = timeout
+        while remaining > 0.0 and not self.is_ending:
+            if self._arrival.wait(remaining):
+                self._arrival.clear()
+                self._run_posted()
+                if self.returns_on_arrival:
+                    return
+            remaining = deadline - time.monotonic()
 
     @abstractmethod
     def end_error(self) -> Exception:

@@ -12,10 +12,34 @@ from typing import Any, Callable, Iterable, List, Optional, Sequence, Tuple, Uni
 from flatland_server._core import BodyMessage, RelativePoses, StepMessage
 from flatland_server.geometry import Pose, Transform
 from flatland_server.transport.arrivals import Arrivals
-from flatland_server.transport.message_writer import MessageWriter
 
 Recipient = Union[str, Tuple[str, str]]
 """A topic with subscribers, or a plugin: the name of its model, and its own."""
+
+
+class MessageWriter(ABC):
+    """Makes the messages of one topic.
+
+    Serializing a ROS message object field by field takes tens of microseconds, even if it has only
+    a few numbers among constants. So a transport that sends bytes uses `data`, and one that keeps
+    objects uses `message`. Both have the same contents.
+    """
+
+    @abstractmethod
+    def message(self, *values: Any) -> Any:
+        """The message as an object.
+
+        Args:
+            values: as the writer defines them.
+        """
+
+    @abstractmethod
+    def data(self, *values: Any) -> bytes:
+        """The serialized message. Each call increments the sequence number of the header.
+
+        Args:
+            values: the same as for `message`.
+        """
 
 
 class Publisher(ABC):
@@ -37,13 +61,14 @@ class Publisher(ABC):
     def write(self, writer: MessageWriter, *values: Any) -> None:
         """Publishes the message that a writer makes of values, in this transport's fastest form.
 
-        A transport may skip it if the topic has no subscriber.
+        Does nothing if the topic has no subscriber.
 
         Args:
             writer: makes a message of values, or its bytes.
             values: arguments of the writer.
         """
-        self.publish(writer.message(*values))
+        if self.has_subscribers:
+            self.publish(writer.message(*values))
 
     def step_message(self, message: BodyMessage) -> Optional[StepMessage]:
         """A message that the core writes to the present subscribers at each step.

@@ -102,7 +102,7 @@ def test_actions_without_end_are_spread_over_runs(deferred):
 def test_dropped_actions_do_not_run(deferred, request_action, done):
     with deferred.lock:
         request_action("a")
-    deferred.clear()
+    deferred.drop("the world is gone")
 
     deferred.run_pending()
 

@@ -80,7 +80,7 @@ def test_a_spawn_that_fails_in_its_third_plugin_leaves_nothing(files, caplog):
     for name in "abc":
         world.plugins_of("other")["p"].node.claim_frame("odom", f"robot/{name}")
     assert caplog.records == []
-    assert all(not each for each in world.contents.plugins._contacts._listeners.values())
+    assert all(not each for each in world.contents.plugins.contacts._listeners.values())
     assert world.plugins_of("robot") == {}
     # Where it would have been, the core reports no contact of two discs.
     plain = write_model(files, "plain", "")

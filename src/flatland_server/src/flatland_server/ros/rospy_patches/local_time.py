@@ -10,7 +10,6 @@ import rospy
 from rospy import rostime
 from rospy.impl import simtime
 
-from flatland_server.ros.rospy_patches import public_rospy
 from flatland_server.ros.rospy_patches.rospy_checks import Requirement, check_all
 
 REQUIREMENTS = (
@@ -38,15 +37,17 @@ def take_over_time() -> Optional["LocalTime"]:
     return LocalTime()
 
 
-class LocalTime(public_rospy.LocalTime):
+class LocalTime:
     """Sets rospy's time in this process."""
 
     def set(self, seconds: int, nanoseconds: int) -> None:
+        """Sets what `rospy.Time.now()` returns."""
         now = _new(rospy.Time)  # __init__ would take longer than the rest of a tick
         now.secs, now.nsecs = seconds, nanoseconds
         rostime._rostime_current = now
 
     def notify(self) -> None:
+        """Wakes the threads that wait for a time."""
         condition = rostime.get_rostime_cond()
         with condition:
             condition.notify_all()

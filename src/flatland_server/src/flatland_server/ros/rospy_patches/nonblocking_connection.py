@@ -59,7 +59,7 @@ REQUIREMENTS = (
     Requirement("rospy.topics:QueuedConnection", ("connection", "queue_size")),
     Requirement("rospy.topics:_PublisherImpl.add_connection", uses=("QueuedConnection",)),
     Requirement("rospy.topics:Topic.__init__", uses=("impl",)),
-    Requirement("rospy.topics:_TopicImpl.__init__", uses=("connections",)),
+    Requirement("rospy.topics:_TopicImpl.__init__", uses=("connections", "closed")),
     Requirement("rospy.topics:_TopicImpl.remove_connection", ("self", "c")),
     Requirement("rospy.topics:_TopicManager.__init__", uses=("pubs",)),
     Requirement(f"{_CONNECTION}.__init__", uses=("_connection", "_run")),
@@ -77,7 +77,29 @@ def install() -> Dict[str, Any]:
     """
     check_all(REQUIREMENTS)
     rospy.topics.QueuedConnection = NonblockingConnection
-    return {"outbox": outbox}
+    return {"is_connected": is_connected, "send_framed": send_framed, "outbox": outbox}
+
+
+def is_connected(publisher: rospy.Publisher) -> bool:
+    """True if a topic has a subscriber; without rospy's lock."""
+    topic = publisher.impl
+    return topic is not None and bool(topic.connections)
+
+
+def send_framed(publisher: rospy.Publisher, framed: bytes) -> None:
+    """Publishes one or more serialized messages, each preceded by its length.
+
+    `rospy.Publisher.publish` would take a lock, copy each through a buffer and count it.
+    """
+    topic = publisher.impl
+    if topic is None or topic.closed:
+        return
+    for connection in topic.connections:
+        try:
+            connection.write_data(framed)
+        except Exception:  # like rospy's own publish: a connection that fails is dropped
+            connection.close()
+            topic.remove_connection(connection)
 
 
 class HeldMessages(Outbox):

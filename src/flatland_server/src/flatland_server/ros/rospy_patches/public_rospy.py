@@ -1,29 +1,31 @@
-"""The operations that patches replace, here through rospy's public interface."""
+"""What the server does by rospy's public interface; patches replace most of it."""
 
-import struct
-from abc import ABC, abstractmethod
+import itertools
 from contextlib import nullcontext
 from dataclasses import dataclass
-from typing import Any, Callable, ContextManager, Optional
+from typing import TYPE_CHECKING, Any, Callable, ContextManager, Optional
 
 import rospy
 
 from flatland_server._core import BodyMessage, StepMessage
+from flatland_server.messages.wire_form import LENGTH
 
-LENGTH = struct.Struct("<I")
-"""Precedes each message on a TCPROS connection: the message's size [bytes]."""
+if TYPE_CHECKING:
+    from flatland_server.ros.rospy_patches.local_time import LocalTime
 
 
-class LocalTime(ABC):
-    """This process's simulated time, set without the detour over /clock."""
+class SubscriberCounter(rospy.SubscribeListener):  # type: ignore[misc]
+    """Counts how often subscribers have connected or disconnected. ROS's threads call it."""
 
-    @abstractmethod
-    def set(self, seconds: int, nanoseconds: int) -> None:
-        """Sets what `rospy.Time.now()` returns."""
+    def __init__(self) -> None:
+        self._counter = itertools.count(1)
+        self.revision = 0
 
-    @abstractmethod
-    def notify(self) -> None:
-        """Wakes the threads of this process that wait for a time."""
+    def peer_subscribe(self, *_: Any) -> None:
+        self.revision = next(self._counter)
+
+    def peer_unsubscribe(self, *_: Any) -> None:
+        self.revision = next(self._counter)
 
 
 def is_connected(publisher: rospy.Publisher) -> bool:
@@ -38,12 +40,6 @@ class _SerializedMessage(rospy.AnyMsg):  # type: ignore[misc]
 
     def serialize(self, buff: Any) -> None:
         buff.write(self._data)
-
-
-def send_bytes(publisher: rospy.Publisher, data: bytes) -> None:
-    """Publishes a serialized message."""
-    if publisher.get_num_connections():
-        publisher.publish(_SerializedMessage(data))
 
 
 class Outbox:
@@ -86,7 +82,8 @@ def send_framed(publisher: rospy.Publisher, framed: bytes) -> None:
     while begin < len(framed):
         (length,) = LENGTH.unpack_from(framed, begin)
         begin += LENGTH.size
-        send_bytes(publisher, framed[begin : begin + length])
+        if publisher.get_num_connections():
+            publisher.publish(_SerializedMessage(framed[begin : begin + length]))
         begin += length
 
 
@@ -99,8 +96,8 @@ class RospyCalls:
 
     Attributes:
         is_connected: returns whether a topic has a subscriber.
-        send_bytes: publishes a serialized message; not for latched topics.
-        send_framed: publishes one or more serialized messages, each preceded by its length.
+        send_framed: publishes one or more serialized messages, each preceded by its length; not for
+            latched topics.
         outbox: holds the messages of connections back, if it can.
         batch_registration: within this context, topics and services may be registered with the
             master later, together, at its end.
@@ -113,10 +110,9 @@ class RospyCalls:
     """
 
     is_connected: Callable[[rospy.Publisher], bool] = is_connected
-    send_bytes: Callable[[rospy.Publisher, bytes], None] = send_bytes
     send_framed: Callable[[rospy.Publisher, bytes], None] = send_framed
     outbox: Outbox = _NO_OUTBOX
     batch_registration: Callable[[], ContextManager[None]] = nullcontext
     wait_until_registered: Callable[[float], bool] = lambda limit: True
-    take_over_time: Callable[[], Optional[LocalTime]] = lambda: None
+    take_over_time: Callable[[], "Optional[LocalTime]"] = lambda: None
     forget_latched: Optional[Callable[[rospy.Publisher], None]] = None

@@ -17,13 +17,13 @@ import errno
 import logging
 import selectors
 import socket
-import struct
 import threading
 import time
 from typing import Any, Callable, Dict, List, Tuple
 
 from rospy.impl import registration, tcpros_base
 
+from flatland_server.messages.wire_form import LENGTH
 from flatland_server.ros.rospy_patches.rospy_checks import Requirement, check_all
 
 REQUIREMENTS = (
@@ -51,7 +51,6 @@ HANDSHAKE_LIMIT = 10.0
 """Real time that a connection has to send its header [s]."""
 _LARGEST_HEADER = 1 << 20
 """Bytes. A subscriber's header holds the definition of the message's type."""
-_LENGTH = struct.Struct("<I")
 _RETRY_PERIOD = 0.1  # s
 _NO_FILES = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 
@@ -129,7 +128,7 @@ class _Handshake:
         self.address = address
         self.deadline = time.monotonic() + HANDSHAKE_LIMIT
         self._size = 0
-        self._expect(_LENGTH.size)
+        self._expect(LENGTH.size)
 
     def _expect(self, size: int) -> None:
         """Makes the socket count as readable only when it holds this many bytes, or has ended."""
@@ -145,13 +144,13 @@ class _Handshake:
         data = self.connection.recv(self._size, socket.MSG_PEEK | socket.MSG_DONTWAIT)
         if len(data) < self._size:
             raise ConnectionAbortedError("it ended before its header was complete")
-        if self._size > _LENGTH.size:
+        if self._size > LENGTH.size:
             self._expect(1)
             return True
-        (length,) = _LENGTH.unpack(data)
+        (length,) = LENGTH.unpack(data)
         if length > _LARGEST_HEADER:
             raise OSError(f"its header has {length} bytes, more than {_LARGEST_HEADER}")
-        self._expect(_LENGTH.size + length)
+        self._expect(LENGTH.size + length)
         return length == 0
 
 
