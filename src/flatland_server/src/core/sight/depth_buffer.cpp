@@ -50,6 +50,7 @@
 #include "sight/depth_buffer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <utility>
 
@@ -74,6 +75,12 @@ constexpr double kNearestShape = 1e-3;
 
 /// Radii of the rings in which a tree is searched [m].
 constexpr float kRings[] = {2.0f, 4.0f, 8.0f, std::numeric_limits<float>::infinity()};
+/// Indices of a few walls.
+constexpr auto kFewWalls = [] {
+  std::array<uint32_t, SegmentTree::kFew> indices{};
+  for (uint32_t i = 0; i < indices.size(); ++i) indices[i] = i;
+  return indices;
+}();
 /// A lidar that is farther from where it was [m] has jumped, and sees other walls.
 constexpr double kJump = 1.0;
 
@@ -249,7 +256,10 @@ void DepthBuffer::Begin(const BeamFan& fan, double range) {
 
 void DepthBuffer::Draw(const SegmentTree& walls, const Pose& lidar, SeenWalls* last) {
   const size_t count = walls.segment_count();
-  if (count == 0) return;
+  if (count <= kFewWalls.size()) {
+    Draw(walls, {kFewWalls.data(), count}, lidar);
+    return;
+  }
   if (is_drawn_.size() < count) is_drawn_.resize(count, 0);
   lists_->MakeRoomFor(walls);
   const LidarView view = ViewFrom(lidar);

@@ -70,6 +70,8 @@ class SegmentTree {
  public:
   /// Children of a node, and walls of a leaf.
   static constexpr int kWidth = 8;
+  /// With no more walls, drawing all is faster than finding out which can be seen.
+  static constexpr size_t kFew = 64;
   /// Walls between two reports of progress.
   static constexpr size_t kProgressStep = 50'000;
 

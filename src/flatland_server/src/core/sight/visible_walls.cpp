@@ -16,8 +16,6 @@ namespace {
 
 constexpr double kCellSize = 0.5;  // [m]
 constexpr double kMaxCells = 262'144;
-/// With fewer walls, drawing them all is as fast.
-constexpr size_t kMinWalls = 64;
 /// Most indices kept for all cells together, of 4 bytes each.
 constexpr size_t kMaxFound = 4'000'000;
 /// A margin for rounding errors of distances.
@@ -67,7 +65,7 @@ std::shared_ptr<const VisibleWalls> VisibleWalls::Share(std::vector<Segment> seg
 
 VisibleWalls::VisibleWalls(std::vector<Segment> segments, const SegmentTree::Progress& progress)
     : all_(std::move(segments), progress) {
-  if (all_.segment_count() < kMinWalls) return;
+  if (all_.segment_count() <= SegmentTree::kFew) return;
   corners_ = std::make_unique<const Corners>(all_.segments());
   Box bounds;
   for (const Segment& wall : all_.segments()) bounds.Add(wall);
