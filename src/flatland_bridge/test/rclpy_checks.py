@@ -335,7 +335,12 @@ def test_the_action_makes_steps(server, peer):
     done = [each.completed_steps for each in feedback]
     assert done == sorted(set(done))  # rclpy's client may lose some, and all after the result
     assert {each.completed_steps + each.remaining_steps for each in feedback} == {2**63}
-    assert not send(1).accepted
+    assert end(send(1))[0] == GoalStatus.STATUS_SUCCEEDED  # not held up by a goal without an end
+    status, result = end(goal)
+    assert status == GoalStatus.STATUS_ABORTED
+    assert "replaced by another goal after" in result.error_message
+
+    goal = send(2**63)
     cancelling = goal.cancel_goal_async()
     peer.wait_until(cancelling.done, "the end")
     status, result = end(goal)
