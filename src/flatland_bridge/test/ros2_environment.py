@@ -71,8 +71,13 @@ cmake_language(DEFER CALL set_target_properties
   ${PROJECT_NAME}__rosidl_typesupport_fastrtps_cpp
   ${PROJECT_NAME}__rosidl_typesupport_introspection_c
   PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 40)
+set(unused rosidl_typesupport_introspection_cpp)
+file(WRITE ${PROJECT_BINARY_DIR}/${unused}/${PROJECT_NAME}/empty.cpp)
+cmake_language(DEFER CALL set_target_properties ${PROJECT_NAME}__${unused}
+  PROPERTIES SOURCES ${PROJECT_BINARY_DIR}/${unused}/${PROJECT_NAME}/empty.cpp)
 """
-"""Compiles many sources together, which takes a tenth of the time: most is that of headers."""
+"""Compiles many sources together, which takes a tenth of the time: most is that of headers. Leaves
+out what C++ programs with RMWs other than Fast DDS's need, which cannot be compiled together."""
 
 
 class Ros2Environment:
@@ -113,9 +118,6 @@ class Ros2Environment:
         run(sys.executable, "-m", "venv", "--system-site-packages", self._venv)
         options = ("--quiet", "--disable-pip-version-check", "--no-compile", "-r")
         run(self.python, "-m", "pip", "install", *options, self._requirements, timeout=LIMIT)
-        # By this, messages would be built for programs in C++ with RMWs other than Fast DDS's, too.
-        index = self._venv / "share" / "ament_index" / "resource_index" / "rosidl_typesupport_cpp"
-        (index / "rosidl_typesupport_introspection_cpp").unlink()
         # The wheels' CMake files have paths of the machine that has made them.
         headers = sysconfig.get_path("include")
         for file in (self._venv / "share").rglob("*.cmake"):
