@@ -32,6 +32,11 @@ def folder():
     pytest.skip(f"rosidl's CMake takes no path with spaces or letters such as those of {cache}")
 
 
+def is_made(distribution):
+    """True if its environment was made for an earlier run."""
+    return (folder() / f"{distribution}_messages" / "complete").exists()
+
+
 def definition(name):
     """The text of a message of simulation_interfaces, without those in it."""
     return simulation_types.message(name)._full_text.partition("\n====")[0]

@@ -11,8 +11,13 @@ from pathlib import Path
 import pytest
 from commands import run
 from ros2_environment import DISTRIBUTIONS, Ros2Environment
+from soak.bridge_soak import BridgeSoak
+from soak.findings import Findings
 
-pytestmark = pytest.mark.slow
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.version_info[:2] != (3, 11), reason="the wheels are for Python 3.11"),
+]
 
 CHECKS = Path(__file__).with_name("rclpy_checks.py")
 
@@ -38,7 +43,15 @@ def run_checks(distribution, domain, folder):
     )
 
 
-@pytest.mark.skipif(sys.version_info[:2] != (3, 11), reason="the wheels are for Python 3.11")
+def test_a_misbehaving_node_disturbs_no_others(runs, tmp_path):
+    findings = Findings()
+    soak = BridgeSoak("ros2", tmp_path / "ros2", share=0.25)
+    soak.run_round(1, ["ros2_node"], findings)
+    soak.close()
+
+    assert findings.violations == []
+
+
 @pytest.mark.parametrize("distribution", DISTRIBUTIONS)
 def test_nodes_of_ros_2(distribution, runs):
     runs[distribution].result()

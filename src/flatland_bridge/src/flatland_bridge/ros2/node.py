@@ -141,8 +141,8 @@ class Ros2Node:
         while not self._is_ending:
             try:
                 self._executor.spin()
-            except Exception:  # of rclpy's own services, such as by a parameter of unknown type
-                logger.exception("a call by ROS 2 has failed")
+            except Exception as error:  # of rclpy's own services: a parameter of unknown type
+                logger.error("a call by ROS 2 has failed: %s", shortened(str(error)))
 
     def _update(self) -> None:
         with self._lock:
