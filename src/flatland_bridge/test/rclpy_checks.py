@@ -44,6 +44,12 @@ plugins:
     update_rate: 10
     angle: {min: -2.0, max: 2.0, increment: 0.0037}
 """
+CAR = """
+bodies:
+  - {name: base, footprints: [{type: circle, radius: 0.3, density: 1}]}
+plugins:
+  - {type: AckermannDrive, name: drive, body: base, wheelbase: 0.3, max_steer_angle: 0.4}
+"""
 STALLED = """
 import sys, rclpy
 from sensor_msgs.msg import LaserScan
@@ -335,7 +341,12 @@ def test_the_action_makes_steps(server, peer):
     done = [each.completed_steps for each in feedback]
     assert done == sorted(set(done))  # rclpy's client may lose some, and all after the result
     assert {each.completed_steps + each.remaining_steps for each in feedback} == {2**63}
-    assert not send(1).accepted
+    assert end(send(1))[0] == GoalStatus.STATUS_SUCCEEDED  # not held up by a goal without an end
+    status, result = end(goal)
+    assert status == GoalStatus.STATUS_ABORTED
+    assert "replaced by another goal after" in result.error_message
+
+    goal = send(2**63)
     cancelling = goal.cancel_goal_async()
     peer.wait_until(cancelling.done, "the end")
     status, result = end(goal)
@@ -354,6 +365,20 @@ def test_services_of_types_with_other_fields_are_left_out(server, peer):
     assert "/load_world" not in peer.wait_until(services, "the services")
     text = "ROS 2 has no package simulation_interfaces, or another version"
     peer.wait_until(lambda: text in server.log.read_text(), "a line that says so")
+
+
+def test_missing_types_of_spawned_models_are_told_once(server, world, peer):
+    import flatland_msgs.srv as srv
+
+    world.with_name("car.model.yaml").write_text(CAR)
+    for name in ("car1", "car2"):
+        car = {"yaml_path": "car.model.yaml", "name": name, "ns": name}
+        assert peer.call(srv.SpawnModel, "/spawn_model", **car).success
+        peer.commands(f"/{name}/cmd_vel")
+        peer.call(ListParameters, "/flatland_server/list_parameters")  # comes after the line
+        log = server.log.read_text()
+        assert log.count("ackermann_msgs") == 1
+        assert "so 2 names are left out, such as /car1/ackermann" in log
 
 
 def test_parameters_are_read_and_set(server, peer):

@@ -32,6 +32,11 @@ def folder():
     pytest.skip(f"rosidl's CMake takes no path with spaces or letters such as those of {cache}")
 
 
+def is_made(distribution):
+    """True if its environment was made for an earlier run."""
+    return (folder() / f"{distribution}_messages" / "complete").exists()
+
+
 def definition(name):
     """The text of a message of simulation_interfaces, without those in it."""
     return simulation_types.message(name)._full_text.partition("\n====")[0]
@@ -71,8 +76,13 @@ cmake_language(DEFER CALL set_target_properties
   ${PROJECT_NAME}__rosidl_typesupport_fastrtps_cpp
   ${PROJECT_NAME}__rosidl_typesupport_introspection_c
   PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 40)
+set(unused rosidl_typesupport_introspection_cpp)
+file(WRITE ${PROJECT_BINARY_DIR}/${unused}/${PROJECT_NAME}/empty.cpp)
+cmake_language(DEFER CALL set_target_properties ${PROJECT_NAME}__${unused}
+  PROPERTIES SOURCES ${PROJECT_BINARY_DIR}/${unused}/${PROJECT_NAME}/empty.cpp)
 """
-"""Compiles many sources together, which takes a tenth of the time: most is that of headers."""
+"""Compiles many sources together, which takes a tenth of the time: most is that of headers. Leaves
+out what C++ programs with RMWs other than Fast DDS's need, which cannot be compiled together."""
 
 
 class Ros2Environment:
@@ -113,9 +123,6 @@ class Ros2Environment:
         run(sys.executable, "-m", "venv", "--system-site-packages", self._venv)
         options = ("--quiet", "--disable-pip-version-check", "--no-compile", "-r")
         run(self.python, "-m", "pip", "install", *options, self._requirements, timeout=LIMIT)
-        # By this, messages would be built for programs in C++ with RMWs other than Fast DDS's, too.
-        index = self._venv / "share" / "ament_index" / "resource_index" / "rosidl_typesupport_cpp"
-        (index / "rosidl_typesupport_introspection_cpp").unlink()
         # The wheels' CMake files have paths of the machine that has made them.
         headers = sysconfig.get_path("include")
         for file in (self._venv / "share").rglob("*.cmake"):

@@ -4,11 +4,14 @@ import json
 import os
 import random
 import resource
+import signal
 import socket
 import struct
+import subprocess
 import threading
 import time
 from contextlib import ExitStack, suppress
+from pathlib import Path
 from typing import Any, Callable, Dict, List
 from urllib.parse import urlsplit
 
@@ -27,6 +30,7 @@ bodies: [{name: b, footprints: [{type: circle, density: 1, radius: $eval
   (function() local i = 0; while i < %s do i = i + 1 end; return -1 end)()}]}]
 """
 SLOW_MODEL = MODEL % "1e10"
+ROS2_MISDEEDS = str(Path(__file__).with_name("ros2_misdeeds.py"))
 INTERNAL_ERROR = 1011
 """The code by which a WebSocket is closed after an exception in the server."""
 
@@ -93,6 +97,7 @@ class Misdeeds:
         self._rng = rng
         self._findings = findings
         self._what = what
+        self._share = share
         self._batches = round(share * BATCHES)
         self._published = round(share * PUBLISHED)
         self._storm = share * STORM
@@ -323,6 +328,17 @@ class Misdeeds:
             advertised = [json.dumps({"op": "advertise", "topic": t, **content}) for t in topics]
             published = [json.dumps({"op": "publish", "topic": t, **content}) for t in topics]
             self._flood([*advertised, *published * self._published])
+
+    # ROS 2
+
+    def ros2_node(self) -> None:
+        """Misdeeds of a node of ROS 2, beside which another one is served; both are killed."""
+        command = [self._bridge.python, ROS2_MISDEEDS, str(self._rng.random()), str(self._share)]
+        ended = subprocess.run(
+            command, env=self._bridge.environment, capture_output=True, text=True, check=False
+        )
+        is_killed = ended.returncode == -signal.SIGKILL
+        self._findings.expect(is_killed, f"{self._what}: {ended.stderr[-1000:]}")
 
     # Parts of these
 

@@ -9,9 +9,10 @@ import sys
 import time
 from contextlib import ExitStack, suppress
 from pathlib import Path
-from typing import Any, List, Optional, Union
+from typing import Any, List, Mapping, Optional, Union
 from urllib.parse import urlsplit
 
+from ros2_environment import DISTRIBUTIONS, Ros2Environment
 from ros_processes import executable
 from running_server import WORLDS, Master, Server
 from soak.usage import Usage
@@ -23,6 +24,7 @@ from websockets.uri import parse_uri
 
 WORLD = WORLDS / "test_room" / "world.yaml"
 FOXGLOVE_PROTOCOL = "foxglove.sdk.v1"
+SERVE = ("-m", "flatland2d", "serve", str(WORLD), "--port", "0", "--foxglove-port", "0")
 LIMIT = 5.0
 """Within this time a client is answered [s]; on an idle machine: some milliseconds."""
 
@@ -141,22 +143,31 @@ class Bridge:
         log: the file of its output.
         planted: a folder with modules that no client may import.
         server: the ROS server beside it, if any.
+        environment: variables of the process.
 
     Attributes:
+        python: the process's Python, if it is one.
+        environment: variables of the process.
         rosbridge: its address.
         foxglove: its address.
     """
 
     def __init__(
-        self, command: List[str], log: Path, planted: Path, server: Optional[Server] = None
+        self,
+        command: List[str],
+        log: Path,
+        planted: Path,
+        server: Optional[Server] = None,
+        environment: Mapping[str, str] = os.environ,
     ) -> None:
         self._log = log
         self._server = server
-        paths = [str(planted), os.environ.get("PYTHONPATH", "")]
+        self.python, self.environment = command[0], environment
+        paths = [str(planted), environment.get("PYTHONPATH", "")]
         with log.open("w") as file:
             self.process = subprocess.Popen(
                 command,
-                env={**os.environ, "PYTHONPATH": os.pathsep.join(paths), "PYTHONUNBUFFERED": "1"},
+                env={**environment, "PYTHONPATH": os.pathsep.join(paths), "PYTHONUNBUFFERED": "1"},
                 stdout=file,
                 stderr=subprocess.STDOUT,
             )
@@ -206,9 +217,20 @@ class Bridge:
 
 def serve(processes: ExitStack, folder: Path, planted: Path) -> Bridge:
     """Starts `flatland serve`."""
-    command = [sys.executable, "-m", "flatland2d", "serve", str(WORLD)]
-    command += ["--port", "0", "--foxglove-port", "0"]
+    command = [sys.executable, *SERVE]
     bridge = Bridge(command, folder / "serve.log", planted)
+    processes.callback(bridge.kill)
+    return bridge
+
+
+def serve_ros2(processes: ExitStack, folder: Path, planted: Path) -> Bridge:
+    """Starts `flatland serve --ros2` in an environment with ROS 2."""
+    ros2 = Ros2Environment(DISTRIBUTIONS[0])
+    domain = {"ROS_DOMAIN_ID": str(101 + os.getpid() % 100), "ROS_LOG_DIR": str(folder)}
+    command = [str(ros2.python), *SERVE, "--ros2"]
+    bridge = Bridge(
+        command, folder / "ros2.log", planted, environment={**ros2.environment(), **domain}
+    )
     processes.callback(bridge.kill)
     return bridge
 

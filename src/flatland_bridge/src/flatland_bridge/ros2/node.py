@@ -6,6 +6,7 @@ import re
 import threading
 from functools import partial
 from importlib import metadata
+from itertools import groupby
 from queue import SimpleQueue
 from typing import Callable, Dict, List, Optional, Sequence, Set, TypeVar, Union
 
@@ -100,7 +101,8 @@ class Ros2Node:
         self._sender = threading.Thread(target=self._send, name="ros2 topics", daemon=True)
         self._inputs: Dict[Key, Input] = {}
         self._refused: Set[Key] = set()
-        self._missing: Dict[str, List[str]] = {}  # topics and services, by the package of the type
+        self._missing: Dict[str, List[str]] = {}  # topics and services to tell of, by the type
+        self._told: Set[str] = set()  # missing types
         self._has_warned = False  # of another node of this name
 
     def serve(self, graph: Graph) -> None:
@@ -108,7 +110,6 @@ class Ros2Node:
         self._graph = graph
         self._services = Services(self.node, graph, self._types, self._missing)
         self._follow_graph()
-        self._tell_missing()
         # Real time: with use_sim_time, the node's own clock would stand still in a pause.
         self.node.create_timer(_PERIOD, self._update, clock=Clock(clock_type=ClockType.STEADY_TIME))
         self._executor.add_node(self.node)
@@ -140,8 +141,8 @@ class Ros2Node:
         while not self._is_ending:
             try:
                 self._executor.spin()
-            except Exception:  # of rclpy's own services, such as by a parameter of unknown type
-                logger.exception("a call by ROS 2 has failed")
+            except Exception as error:  # of rclpy's own services: a parameter of unknown type
+                logger.error("a call by ROS 2 has failed: %s", shortened(str(error)))
 
     def _update(self) -> None:
         with self._lock:
@@ -168,6 +169,8 @@ class Ros2Node:
             self._inputs.pop(key).close()
         for key in sorted(subscribed.difference(self._inputs, self._refused)):
             self._open(key, self._inputs, Input, self._budget)
+        self._refused &= published | subscribed
+        self._tell_missing()
 
     def _open(self, key: Key, opened: Dict[Key, T], make: Callable[..., T], end: object) -> None:
         """Opens a topic, unless ROS 2 has no such name or type."""
@@ -178,13 +181,16 @@ class Ros2Node:
         except Exception as error:  # of any kind, from rosbags and rclpy
             self._refused.add(key)
             if isinstance(error, MissingType):
-                self._missing.setdefault(error.package, []).append(key.topic)
+                self._missing.setdefault(str(error), []).append(key.topic)
             else:
                 logger.info("%s [%s] is not a topic of ROS 2: %s", key.topic, key.kind, error)
 
     def _tell_missing(self) -> None:
-        """Logs which packages of types are missing, in one line each."""
-        for package, names in sorted(self._missing.items()):
+        """Logs once which types are missing, with a line for each package."""
+        new = sorted(self._missing.keys() - self._told)
+        self._told.update(new)
+        for package, kinds in groupby(new, lambda kind: kind.partition("/")[0]):
+            names = [name for kind in kinds for name in self._missing[kind]]
             # Hardly any ROS 2 has this one, and its services are beside Flatland's own.
             level = logging.INFO if package == simulation_types.PACKAGE else logging.WARNING
             logger.log(
@@ -193,6 +199,7 @@ class Ros2Node:
                 "(docs/ros2.md)",
                 *(package, "1 name is" if len(names) == 1 else f"{len(names)} names are", names[0]),
             )
+        self._missing.clear()
 
     def _warn_of_others(self) -> None:
         """Warns once if there is another node of this name."""

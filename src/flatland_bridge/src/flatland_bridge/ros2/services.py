@@ -33,7 +33,7 @@ class Services:
         node: node of ROS 2 that offers the services.
         graph: graph with the services.
         types: the types of this ROS 2.
-        missing: gets the names of services of types that this ROS 2 does not have, by package.
+        missing: gets the names of services of types that this ROS 2 does not have, by type.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class Services:
             try:
                 self._offered[name] = offer()
             except MissingType as error:
-                missing.setdefault(error.package, []).append(name)
+                missing.setdefault(str(error), []).append(name)
 
     def _offer(self, name: str, kind: ServiceType) -> Any:
         service = self._node.create_service(

@@ -18,11 +18,7 @@ from flatland_server.messages import ServiceType, deserialized, get, serialized
 
 
 class MissingType(BridgeError):
-    """This ROS 2 has no such type."""
-
-    def __init__(self, name: str) -> None:
-        super().__init__(f"this ROS 2 has no {name}")
-        self.package = name.partition("/")[0]
+    """This ROS 2 has no such type. Its only argument is the name."""
 
 
 class Types:
