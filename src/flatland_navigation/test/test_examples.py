@@ -135,7 +135,7 @@ def test_the_mppi_example_reaches_its_goal(tmp_path):
     """One that is nearer than its own, which take a minute."""
     shutil.copytree(ROOT / "examples" / "mppi", tmp_path, dirs_exist_ok=True)
     scenarios = tmp_path / "scenarios.yaml"
-    scenarios.write_text(scenarios.read_text().replace("[8, 15]", "[3, 5]"))
+    scenarios.write_text(scenarios.read_text().replace("[8, 15]", "[2, 3]"))
     settings = read_scenario_file(scenarios)
     row = ScenarioRunner(settings).run(scenarios_of(settings)[0]).row
     assert row["outcome"] == "goal"

@@ -2,19 +2,16 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <ostream>
 #include <random>
 #include <set>
 #include <stdexcept>
 
+#include "test_numbers.hpp"
 #include "test_rounds.hpp"
 
 namespace flatland {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void ExpectDirection(Vec2 direction, double angle) {
   EXPECT_NEAR(direction.x, std::cos(angle), 1e-12);

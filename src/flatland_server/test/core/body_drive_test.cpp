@@ -2,18 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <stdexcept>
 #include <vector>
 
 #include "reference_motion.hpp"
+#include "test_numbers.hpp"
 #include "world/world.hpp"
 
 namespace flatland {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TEST(BodyDrive, RefusesLimitsThatAreNegativeOrNotFinite) {
   for (double bad : {-0.1, kNaN, kInfinity}) {

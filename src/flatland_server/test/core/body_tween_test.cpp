@@ -7,11 +7,10 @@
 #include <stdexcept>
 #include <vector>
 
+#include "test_numbers.hpp"
+
 namespace flatland {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The documentation's: x += 2, y += 3, angle += 1.1.
 constexpr Pose kStart{10.0, -20.0, 0.5};

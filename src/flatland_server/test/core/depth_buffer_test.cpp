@@ -4,18 +4,16 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <random>
 #include <utility>
 #include <vector>
 
 #include "reference_walls.hpp"
 #include "sight/beam_fan.hpp"
+#include "test_numbers.hpp"
 
 namespace flatland {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 TEST(DepthBuffer, SeesNoPolygonNearerThanItIsAlongItsSide) {
   std::mt19937 random(29);

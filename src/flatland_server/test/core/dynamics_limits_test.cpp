@@ -8,12 +8,10 @@
 #include <stdexcept>
 
 #include "reference_motion.hpp"
+#include "test_numbers.hpp"
 
 namespace flatland {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void ExpectNear(Vec2 value, Vec2 expected, double tolerance) {
   EXPECT_NEAR(value.x, expected.x, tolerance);

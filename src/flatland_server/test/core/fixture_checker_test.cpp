@@ -4,20 +4,18 @@
 
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <random>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "test_bodies.hpp"
+#include "test_numbers.hpp"
 #include "world/fixture.hpp"
 #include "world/world.hpp"
 
 namespace flatland {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // The message of the std::invalid_argument that the call throws; empty if it throws nothing.
 std::string Message(const std::function<void()>& call) {

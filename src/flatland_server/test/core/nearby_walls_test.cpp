@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "reference_walls.hpp"
+#include "test_bodies.hpp"
 #include "test_contact.hpp"
 
 namespace flatland {
@@ -29,7 +30,7 @@ std::vector<Segment> Posts(int half = 60) {
   return walls;
 }
 
-constexpr Pose kStart{0.03, 0.02, 0.1};
+constexpr Pose kBeside{0.03, 0.02, 0.1};
 
 constexpr float kEverywhere = 1e4f;  // a room for which Box2D has all walls
 
@@ -38,7 +39,7 @@ class Scene {
  public:
   explicit Scene(float room = World::kRoom) : world(10, 10, room) {
     layer = world.AddLayer(Posts(), 0b10);
-    robot = AddBox(world, kStart, 0.3, OnLayers(0b11));
+    robot = AddBox(world, kBeside, 0.3, OnLayers(0b11));
     box = AddBox(world, {1.05, 0.1, 0.2}, 0.3, OnLayers(0b10));
     drive = world.AddDrive(robot, {}, {});
     world.Get(drive).Command({1.0, 0, 0.05});
@@ -60,15 +61,6 @@ class Scene {
   World::Body box;
   World::Drive drive;
 };
-
-void ExpectSame(const std::vector<Pose>& a, const std::vector<Pose>& b) {
-  ASSERT_EQ(a.size(), b.size());
-  for (size_t i = 0; i < a.size(); ++i) {
-    ASSERT_EQ(a[i].x, b[i].x) << i;
-    ASSERT_EQ(a[i].y, b[i].y) << i;
-    ASSERT_EQ(a[i].yaw, b[i].yaw) << i;
-  }
-}
 
 TEST(NearbyWalls, BodiesMeetThemAsIfBox2DHadAll) {
   Scene scene, whole(kEverywhere);

@@ -4,16 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <vector>
 
 #include "base/geometry.hpp"
+#include "test_numbers.hpp"
 
 namespace flatland {
 
-/// Range of a beam that meets nothing [m].
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Beyond every wall [m].
 inline constexpr double kFar = 1e6;
 

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <limits>
 #include <optional>
 #include <ostream>
 #include <stdexcept>
@@ -11,13 +10,12 @@
 #include <vector>
 
 #include "test_bodies.hpp"
+#include "test_numbers.hpp"
 #include "world/world.hpp"
 
 namespace flatland {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A finite number too large for single precision, and so for Box2D.
 constexpr double kTooMuch = 1e39;
 

@@ -7,19 +7,17 @@
 #include <cmath>
 #include <functional>
 #include <future>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "reference_walls.hpp"
+#include "test_numbers.hpp"
 #include "test_scan.hpp"
 #include "world/world.hpp"
 
 namespace flatland {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 TEST_F(LidarTest, SeesACircleAsItIsSetToBeSeen) {
   AddWallAt(10);

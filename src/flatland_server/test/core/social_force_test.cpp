@@ -19,7 +19,9 @@ constexpr double kA = 25.0, kB = 0.08, kTau = 0.5;  // 2000 N on 80 kg: Helbing 
 
 Complex ToComplex(Vec2 v) { return {v.x, v.y}; }
 
-Obstacle At(double gap, double bearing) { return {gap, {-std::cos(bearing), -std::sin(bearing)}}; }
+Obstacle ObstacleAt(double gap, double bearing) {
+  return {gap, {-std::cos(bearing), -std::sin(bearing)}};
+}
 
 TEST(SocialForceTest, RelaxesWithinTheRelaxationTime) {
   for (const double dt : {0.005, 0.05, 0.3}) {
@@ -42,13 +44,13 @@ TEST(SocialForceTest, SettlesWhereBothForcesAreEqual) {
 
 TEST(SocialForceTest, RepelsExponentially) {
   for (const double gap : {0.0, 0.05, 0.2, 0.5}) {
-    const Complex push = ToComplex(SocialForce().Repel(At(gap, 0.7)));
+    const Complex push = ToComplex(SocialForce().Repel(ObstacleAt(gap, 0.7)));
     EXPECT_NEAR(std::abs(push + std::polar(kA * std::exp(-gap / kB), 0.7)), 0.0, 1e-9);
   }
 }
 
 TEST(SocialForceTest, RepelsWhatOverlapsAsByATouch) {
-  EXPECT_NEAR(SocialForce().Repel(At(-0.3, M_PI)).x, kA, 1e-9);
+  EXPECT_NEAR(SocialForce().Repel(ObstacleAt(-0.3, M_PI)).x, kA, 1e-9);
 }
 
 /// The formula of Moussaid et al., 2009, in the complex plane: see SocialForce::Evade.
@@ -70,7 +72,8 @@ TEST(SocialForceTest, EvadesAsItWasMeasured) {
     for (const double gap : {0.0, 0.5, 3.0}) {
       for (const double bearing : {0.0, 0.3, -0.3, 2.0, M_PI}) {
         for (const Complex velocity : {Complex(1.3), Complex(2.6, 0.2), Complex(-0.5, 1.0)}) {
-          const Vec2 found = force.Evade(At(gap, bearing), {velocity.real(), velocity.imag()});
+          const Vec2 found =
+              force.Evade(ObstacleAt(gap, bearing), {velocity.real(), velocity.imag()});
           const Complex expected = Evasion(gap, bearing, velocity, epsilon);
           EXPECT_NEAR(std::abs(ToComplex(found) - expected), 0.0, 2e-6);
         }
@@ -81,15 +84,15 @@ TEST(SocialForceTest, EvadesAsItWasMeasured) {
 
 TEST(SocialForceTest, EvadesToThePreferredSide) {
   SocialForce force;
-  EXPECT_LT(force.Evade(At(1.0, 0.0), {1.3, 0.0}).y, -1.0);
+  EXPECT_LT(force.Evade(ObstacleAt(1.0, 0.0), {1.3, 0.0}).y, -1.0);
   force.side_preference = -force.side_preference;
-  EXPECT_GT(force.Evade(At(1.0, 0.0), {1.3, 0.0}).y, 1.0);
+  EXPECT_GT(force.Evade(ObstacleAt(1.0, 0.0), {1.3, 0.0}).y, 1.0);
 }
 
 /// Two people avoid each other with opposite forces, which Crowd relies on.
 TEST(SocialForceTest, IsOppositeForTheOtherPerson) {
   for (const double bearing : {0.0, 0.4, -2.9, 1.7}) {
-    const Obstacle one = At(0.4, bearing);
+    const Obstacle one = ObstacleAt(0.4, bearing);
     const Obstacle other{0.4, {-one.away.x, -one.away.y}};
     for (const Vec2 velocity : {Vec2{1.3, 0.1}, Vec2{-0.2, 0.9}, Vec2{}}) {
       const Vec2 a = SocialForce().Evade(one, velocity);

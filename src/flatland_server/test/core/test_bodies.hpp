@@ -77,4 +77,13 @@ class WorldTest : public testing::Test {
   World world_{10, 10};
 };
 
+inline void ExpectSame(const std::vector<Pose>& a, const std::vector<Pose>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (size_t i = 0; i < a.size(); ++i) {
+    ASSERT_EQ(a[i].x, b[i].x) << i;
+    ASSERT_EQ(a[i].y, b[i].y) << i;
+    ASSERT_EQ(a[i].yaw, b[i].yaw) << i;
+  }
+}
+
 }  // namespace flatland

@@ -2,18 +2,16 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <stdexcept>
 
 #include "reference_motion.hpp"
+#include "test_bodies.hpp"
+#include "test_numbers.hpp"
 #include "world/world.hpp"
 
 namespace flatland {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kStep = 0.005;
 constexpr double kWheelbase = 1.4;
 
 double AngleBetween(double from, double to) { return std::remainder(to - from, 2.0 * M_PI); }

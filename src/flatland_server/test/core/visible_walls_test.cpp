@@ -137,7 +137,7 @@ TEST_P(VisibleWallsTest, ScansOfABoxAreThoseOfAllWalls) {
 
 TEST_P(VisibleWallsTest, MostWallsAreLeftOut) {
   double seen = 0.0;
-  constexpr int kPlaces = 200;
+  constexpr int kPlaces = 50;
   for (int i = 0; i < kPlaces; ++i) {
     const Vec2 place = RandomPlace();
     const auto found = WallsSeenFrom(tree_, corners_, {place, place + Vec2{0.2, 0.2}})->size();

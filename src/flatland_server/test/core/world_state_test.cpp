@@ -46,15 +46,6 @@ class Scene {
   World::Tween tween;
 };
 
-void ExpectSame(const std::vector<Pose>& a, const std::vector<Pose>& b) {
-  ASSERT_EQ(a.size(), b.size());
-  for (size_t i = 0; i < a.size(); ++i) {
-    EXPECT_EQ(a[i].x, b[i].x);
-    EXPECT_EQ(a[i].y, b[i].y);
-    EXPECT_EQ(a[i].yaw, b[i].yaw);
-  }
-}
-
 TEST(WorldState, BodiesJointsAndDrivesCanBeRemovedAfterwards) {
   Scene scene;
   scene.Run(80);

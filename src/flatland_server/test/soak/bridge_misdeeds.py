@@ -21,7 +21,7 @@ from soak.findings import Findings
 from soak.random_bridge_messages import RandomMessages, known_services
 from waiting import wait_until
 
-BATCHES, BATCH = 80, 5  # of random messages to each protocol
+BATCHES, BATCH = 200, 5  # of random messages to each protocol
 STORM = 4.0  # s
 PUBLISHED = 60  # messages to each topic of stalled readers
 LARGE = "x" * 900_000  # nearly the longest that a message may be

@@ -12,7 +12,7 @@ from soak.findings import Findings
 from flatland2d.recording_file import read_recording
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
-LONGEST, LARGEST = 2.0, 3_000_000  # s until a signal, bytes until the disk is full
+LONGEST, LARGEST = 1.0, 3_000_000  # s until a signal, bytes until the disk is full
 END_LIMIT = 20.0  # s
 STEP = 5_000_000  # ns
 

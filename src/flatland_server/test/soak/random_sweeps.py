@@ -29,6 +29,9 @@ LIMIT = 300.0  # s
 Rows = Dict[Tuple[str, str], Dict[str, str]]
 """The rows of a table by controller and seed."""
 
+_LEFT_OUT = ("matplotlib", "scipy")
+"""Packages for figures and comparisons, which take longer than the sweeps: they are missing."""
+
 _MARK = "FLATLAND_SOAK_SWEEP"
 """A variable in the environment of all processes that a sweep starts; its value is a folder."""
 
@@ -210,6 +213,9 @@ def _write_files(folder: Path) -> None:
     folder.mkdir()
     for name, text in {**_FILES, "drivers.py": _DRIVERS}.items():
         (folder / name).write_text(text)
+    (folder / "left_out").mkdir()
+    for name in _LEFT_OUT:
+        (folder / "left_out" / f"{name}.py").write_text("raise ImportError('it is left out')\n")
 
 
 def _write_scenarios(
@@ -222,11 +228,12 @@ def _write_scenarios(
 
 def _start(folder: Path, out: str, jobs: int) -> "subprocess.Popen[bytes]":
     command = f"sweep scenarios.yaml --out {out} --jobs {jobs} --pictures 2".split()
+    paths = f"{folder / 'left_out'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
     with (folder / f"{out}.log").open("ab") as log:
         return subprocess.Popen(
             [sys.executable, "-m", "flatland2d", *command],
             cwd=folder,
-            env={**os.environ, _MARK: str(folder)},
+            env={**os.environ, "PYTHONPATH": paths, _MARK: str(folder)},
             stdout=log,
             stderr=log,
         )
