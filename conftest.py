@@ -108,6 +108,7 @@ LONGEST = (
     *("test_bridge_soak.py", "test_pages.py", "test_outages.py", "test_bridge_node.py"),
     *("test_in_process.py", "test_examples.py", "test_launch.py", "test_gui_scene.py"),
     *("test_example_package.py", "test_running_server.py", "test_sweeps.py", "test_contract.py"),
+    *("test_sweep.py", "test_subscribers.py"),
 )
 """The files that take longest; the first begin first."""
 
