@@ -1,6 +1,6 @@
 """Fixtures for several packages: `scripts/run` as a user starts it, a ROS master, a screen.
 
-scripts/test runs the test files in four processes (pytest-xdist). Each has a screen of its own,
+scripts/test runs the test files in five processes (pytest-xdist). Each has a screen of its own,
 and a folder for ROS's logs.
 """
 
