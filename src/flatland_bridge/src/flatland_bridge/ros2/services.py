@@ -1,6 +1,7 @@
 """The services of a graph in ROS 2, answered on threads of their own."""
 
 import logging
+import time
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from functools import partial
@@ -43,6 +44,7 @@ class Services:
         self._graph = graph
         self._types = types
         self._pool = ThreadPoolExecutor(_MOST_CALLS, "call")
+        self._responding = ThreadPoolExecutor(1, "respond")
         self._going_on = 0
         self._offered: Dict[str, Any] = {}
         offers: Dict[str, Callable[[], Any]] = {
@@ -80,13 +82,23 @@ class Services:
     def _end(self, _: "Future[Any]") -> None:
         self._going_on -= 1
 
-    @staticmethod
-    def _send_later(send: Any, done: "Future[Any]", header: Any) -> None:
+    def _send_later(self, send: Any, done: "Future[Any]", header: Any) -> None:
         def respond(done: "Future[Any]") -> None:
-            with suppress(Exception):  # the node has ended
-                send(done.result(), header)
+            with suppress(RuntimeError):  # the node has ended
+                self._responding.submit(self._send, send, done.result(), header)
 
         done.add_done_callback(respond)
+
+    @staticmethod
+    def _send(send: Any, response: Any, header: Any) -> None:
+        """Sends a response, and leaves as much time to all other threads.
+
+        Fast DDS waits 0.1 s for a client that has gone, and rclpy holds Python's lock meanwhile.
+        """
+        begin = time.monotonic()
+        with suppress(Exception):  # the node has ended
+            send(response, header)
+        time.sleep(time.monotonic() - begin)
 
     def _answer(self, name: str, kind: ServiceType, request: Any) -> Any:
         """Makes a call, on a thread of the pool."""
@@ -114,5 +126,6 @@ class Services:
     def close(self) -> None:
         """Begins no further call."""
         self._pool.shutdown(wait=False)
+        self._responding.shutdown(wait=False, cancel_futures=True)
         if simulate_steps.NAME in self._offered:
             self._offered[simulate_steps.NAME].close()
