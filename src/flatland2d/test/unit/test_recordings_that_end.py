@@ -67,8 +67,8 @@ def test_all_chunks_of_a_killed_process_can_be_read(suffix, name, tmp_path, caps
         [sys.executable, "-c", PROGRAM, str(path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     )
     assert process.stdout.readline() == b"stepped\n"
-    # Nothing steps any more: the chunk is written because its time has come. It is whole once it can
-    # be read; a longer file may have a part of it.
+    # Nothing steps any more: the chunk is written because its time has come. It is whole once it
+    # can be read; a longer file may have a part of it.
     copy = str(tmp_path / f"copy{suffix}")
     wait_until(lambda: main(["recover", str(active), "-o", copy]) == 0, "the chunk", limit=5.0)
     process.send_signal(name)

@@ -175,7 +175,7 @@ def soak_bridges(
     def run_round(seed: int) -> None:
         for each in bridges:
             run(each, MISDEEDS, seed)
-        # Only for its misdeed: with the witnesses of three servers, two cores have no time to spare.
+        # Only for its misdeed: the witnesses of three servers take all the time of two cores.
         if is_made(DISTRIBUTIONS[0]):
             with closing(BridgeSoak("ros2", folder / f"ros2_{seed}")) as ros2:
                 run(ros2, ["ros2_node"], seed)
