@@ -68,26 +68,28 @@ class Services:
         service.send_response = partial(self._send_later, service.send_response)
         return service
 
-    def _begin(self, name: str, kind: ServiceType, request: Any, response: Any) -> "Future[Any]":
-        """Begins a call. It is called on the thread of the executor, as `_send_later` is."""
+    def _begin(self, name: str, kind: ServiceType, request: Any, response: Any) -> Any:
+        """Begins a call, or returns its response if too many go on; on the executor's thread."""
         if self._going_on >= _MOST_CALLS:
-            done: Future[Any] = Future()
-            done.set_result(self._failed(name, kind, f"{_MOST_CALLS} calls go on already"))
-            return done
+            return self._failed(name, kind, f"{_MOST_CALLS} calls go on already")
         self._going_on += 1
-        done = self._pool.submit(self._answer, name, kind, request)
-        done.add_done_callback(self._end)
-        return done
+        return self._pool.submit(self._answer, name, kind, request)
 
     def _end(self, _: "Future[Any]") -> None:
         self._going_on -= 1
 
-    def _send_later(self, send: Any, done: "Future[Any]", header: Any) -> None:
+    def _send_later(self, send: Any, done: Any, header: Any) -> None:
+        """Sends the response of a call that `_begin` has begun, or that of one too many at once."""
+
         def respond(done: "Future[Any]") -> None:
             with suppress(RuntimeError):  # the node has ended
-                self._responding.submit(self._send, send, done.result(), header)
+                sent = self._responding.submit(self._send, send, done.result(), header)
+                sent.add_done_callback(self._end)
 
-        done.add_done_callback(respond)
+        if isinstance(done, Future):
+            done.add_done_callback(respond)
+        else:
+            self._send(send, done, header)
 
     @staticmethod
     def _send(send: Any, response: Any, header: Any) -> None:

@@ -1,4 +1,4 @@
-"""What the server does by rospy's public interface; patches replace most of it."""
+"""The calls of rospy that the server makes, by its public interface; patches replace most."""
 
 import itertools
 from contextlib import nullcontext
