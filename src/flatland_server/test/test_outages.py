@@ -1,7 +1,10 @@
 """The server while its master fails, and its limit of open files; soak/ has more faults."""
 
 import contextlib
+import os
 import signal
+import subprocess
+import sys
 import xmlrpc.client
 from pathlib import Path
 
@@ -114,3 +117,28 @@ def test_the_master_knows_nothing_of_a_server_that_has_ended(master, start_serve
     state = master.ask("getSystemState")
     left = [name for part in state for name, nodes in part if NODE in nodes]
     assert left == []
+
+
+ASKING = """
+import rospy
+from flatland_server.ros.node import init_node
+init_node("asking")
+print("asks", flush=True)
+while not rospy.is_shutdown():
+    rospy.get_published_topics()
+"""
+
+
+def test_a_signal_ends_a_node_within_a_call_to_the_master(master):
+    environment = {**os.environ, "ROS_MASTER_URI": master.uri}
+    node = subprocess.Popen([sys.executable, "-c", ASKING], env=environment, stdout=subprocess.PIPE)
+    try:
+        assert node.stdout.readline() == b"asks\n"
+        with stopped(master):
+            node.send_signal(signal.SIGTERM)
+            with pytest.raises(subprocess.TimeoutExpired):
+                node.wait(0.1)
+        assert node.wait(20) == 0
+        assert "/asking" not in str(master.ask("getSystemState"))
+    finally:
+        node.kill()

@@ -9,6 +9,7 @@ from flatland_bridge.websocket_server import Access
 from flatland_server.exceptions import FlatlandError
 from flatland_server.hub import positive_param
 from flatland_server.ros import rospy_patches, server_parameters
+from flatland_server.ros.node import init_node
 
 _PERIOD = 0.5
 """Real time between two looks for new topics and services [s]."""
@@ -16,7 +17,7 @@ _PERIOD = 0.5
 
 def main() -> int:
     """Runs the node until it is shut down. Returns its exit code."""
-    rospy.init_node("bridge")
+    init_node("bridge")
     rospy_patches.install()  # a master or a subscriber that is stopped stops no client
     graph = RosGraph()
     try:

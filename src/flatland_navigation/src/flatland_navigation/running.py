@@ -7,6 +7,7 @@ from nav_msgs.msg import Odometry
 
 from flatland_navigation.awaited_topics import wait_for_messages
 from flatland_server import FlatlandError
+from flatland_server.ros.node import init_node
 
 
 class RobotNode(Protocol):
@@ -26,7 +27,7 @@ def run_node(name: str, start: Callable[[], RobotNode]) -> int:
         name: the node's name.
         start: returns what the node consists of; a FlatlandError is its reason not to start.
     """
-    rospy.init_node(name)
+    init_node(name)
     try:
         node = start()
     except FlatlandError as error:

@@ -11,6 +11,7 @@ from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 
 from flatland_navigation.parameters import read_goals
 from flatland_server import FlatlandError, Pose, fill_pose
+from flatland_server.ros.node import init_node
 
 _PATIENCE = 10.0  # s of simulated time between two warnings
 
@@ -25,7 +26,7 @@ def main() -> int:
     Returns:
         The exit code: 1 if a goal was not reached.
     """
-    rospy.init_node("send_goals")
+    init_node("send_goals")
     try:
         goals = read_goals()
     except FlatlandError as error:
