@@ -51,8 +51,11 @@ def running(world, **options):
 
 
 def connect(url, **options):
-    """A WebSocket that is open until it is closed, or its server."""
-    return websockets_client.connect(url, **options).__enter__()
+    """A WebSocket that is open until it is closed, or its server.
+
+    It sends no pings: if the server is gone, their failures would be logged in later tests.
+    """
+    return websockets_client.connect(url, ping_interval=None, **options).__enter__()
 
 
 class Receiver:

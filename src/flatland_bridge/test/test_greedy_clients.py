@@ -38,7 +38,7 @@ def stalled(server):
     raw.connect(("localhost", server.clients.ports[ROSBRIDGE]))
     url = server.clients.url(ROSBRIDGE, "ws")
     each = Client.__new__(Client)
-    each.socket = connect(url, sock=raw, max_queue=1, max_size=None, ping_interval=None)
+    each.socket = connect(url, sock=raw, max_queue=1, max_size=None)
     each.kept = []
     return each
 

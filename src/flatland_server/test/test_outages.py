@@ -121,7 +121,7 @@ def test_the_master_knows_nothing_of_a_server_that_has_ended(master, start_serve
 
 ASKING = """
 import rospy
-from flatland_server.ros.node import init_node
+from flatland_server.ros import init_node
 init_node("asking")
 print("asks", flush=True)
 while not rospy.is_shutdown():

@@ -8,8 +8,7 @@ from flatland_bridge.server import FOXGLOVE, ROSBRIDGE, serve_clients
 from flatland_bridge.websocket_server import Access
 from flatland_server.exceptions import FlatlandError
 from flatland_server.hub import positive_param
-from flatland_server.ros import rospy_patches, server_parameters
-from flatland_server.ros.node import init_node
+from flatland_server.ros import init_node, rospy_patches, server_parameters
 
 _PERIOD = 0.5
 """Real time between two looks for new topics and services [s]."""

@@ -7,7 +7,7 @@ from nav_msgs.msg import Odometry
 
 from flatland_navigation.awaited_topics import wait_for_messages
 from flatland_server import FlatlandError
-from flatland_server.ros.node import init_node
+from flatland_server.ros import init_node
 
 
 class RobotNode(Protocol):

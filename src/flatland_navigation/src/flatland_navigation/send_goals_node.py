@@ -11,7 +11,7 @@ from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 
 from flatland_navigation.parameters import read_goals
 from flatland_server import FlatlandError, Pose, fill_pose
-from flatland_server.ros.node import init_node
+from flatland_server.ros import init_node
 
 _PATIENCE = 10.0  # s of simulated time between two warnings
 

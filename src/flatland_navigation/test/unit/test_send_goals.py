@@ -43,7 +43,7 @@ def send(monkeypatch):
     def run(reaches, loop):
         client = Client(reaches)
         params = {"~goals": GOALS, "~loop": loop}
-        monkeypatch.setattr(rospy, "init_node", lambda name: None)
+        monkeypatch.setattr(send_goals_node, "init_node", lambda name: None)
         monkeypatch.setattr(rospy, "on_shutdown", lambda hook: None)
         monkeypatch.setattr(rospy, "get_param", lambda name, default: params.get(name, default))
         monkeypatch.setattr(rospy, "is_shutdown", lambda: False)

@@ -100,7 +100,7 @@ struct FastMethod<function> {
                            std::to_string(positional + named));
     }
     Arguments matched{};
-    std::copy_n(arguments, positional, matched.begin());
+    for (Py_ssize_t i = 0; i < positional; ++i) matched[i] = arguments[i];
     for (Py_ssize_t i = 0; i < named; ++i) {
       const auto name = py::handle(PyTuple_GET_ITEM(keywords, i)).cast<std::string>();
       const auto found = std::find(names.begin(), names.end(), name);
