@@ -34,7 +34,8 @@ BUILD_REQUIREMENTS = (
     "catkin_pkg==1.0.0",
 )
 AS_CATKIN = ("FLATLAND_WERROR=ON", "CMAKE_CXX_FLAGS=-DROS_BUILD_SHARED_LIBS=1")
-TORCH = ("--extra-index-url=https://download.pytorch.org/whl/cpu", "torch==2.13.0+cpu")
+# Alone: where this index cannot be reached, pip would try for 8 s for each package, not once.
+TORCH = ("--no-deps", "--extra-index-url=https://download.pytorch.org/whl/cpu", "torch==2.13.0+cpu")
 
 
 def environment():
@@ -46,11 +47,11 @@ def environment():
 class Environment:
     """A virtual environment, which has the packages of these requirements.
 
-    Only the builder has a pip, which installs into all: it takes 2 s to make another one.
+    Those of `first` are installed before the others. Only the builder has a pip, which installs into all: it takes 2 s to make another one.
     """
 
-    def __init__(self, name, requirements):
-        key = hashlib.sha256("\n".join([sys.version, *requirements]).encode()).hexdigest()[:16]
+    def __init__(self, name, requirements, first=()):
+        key = hashlib.sha256("\n".join([sys.version, *first, *requirements]).encode()).hexdigest()[:16]
         self.folder = FOLDER / f"{name}-{key}"
         self.python = self.folder / "bin" / "python"
         self._complete = self.folder / "complete"
@@ -60,7 +61,8 @@ class Environment:
                     shutil.rmtree(former)
                 without_pip = [] if name == BUILDER else ["--without-pip"]
                 self._run(sys.executable, "-m", "venv", *without_pip, self.folder)
-                self.pip("install", "--no-compile", *requirements)  # few modules are imported
+                for each in filter(None, (first, requirements)):
+                    self.pip("install", "--no-compile", *each)  # few modules are imported
                 self._complete.touch()
 
     def pip(self, command, *arguments):
@@ -162,7 +164,7 @@ def wheel():
         return wheel
 
 
-def with_wheel(name, *more, extra=""):
+def with_wheel(name, *more, extra="", first=()):
     """An environment with the wheel, its requirements and those of an extra, and more."""
     built = wheel()
     with zipfile.ZipFile(built) as archive:
@@ -171,7 +173,7 @@ def with_wheel(name, *more, extra=""):
     marker = re.compile(rf"""extra == ['"]{extra}['"]""")
     required = [each for each in required if "extra ==" not in each or marker.search(each)]
     required = [each.partition(";")[0] for each in required]
-    library = Environment(name, [*required, *more])
+    library = Environment(name, [*required, *more], first)
     library.install_wheel(built)
     return library
 
@@ -188,7 +190,7 @@ def with_ray():
 
 def with_sb3():
     """The same with the extra `sb3` and torch for CPUs."""
-    return with_wheel("sb3", *TORCH, "pytest==9.0.2", extra="sb3")
+    return with_wheel("sb3", "pytest==9.0.2", extra="sb3", first=TORCH)
 
 
 if __name__ == "__main__":
