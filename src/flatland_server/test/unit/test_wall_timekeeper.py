@@ -98,7 +98,7 @@ def run(manager, steps):
 
 
 def run_in_pause(manager, rounds):
-    asked = iter(range(2 * rounds))
+    asked = iter(range(rounds))
     manager.run(lambda: next(asked, None) is not None)
 
 

@@ -169,18 +169,19 @@ class RosTransport(ServedTransport):
 
     def flush(self) -> None:
         self.arrivals.next_step()
-        if self.on_flush:
-            for send in self.on_flush:
-                send()
-        message = self._transforms.take()
+        for send in self.on_flush:
+            send()
+        message, outbox = self._transforms.take(), self._outbox
         if message:
-            if not self._outbox.is_open:
+            if not outbox.is_open:
                 self.before_sending()
             self.rospy_calls.send_framed(self._tf, LENGTH.pack(len(message)) + message)
-        outbox = self._outbox
-        if outbox.is_due() if outbox.is_open else not outbox.is_empty():
+        if outbox.is_open:
+            if outbox.is_due():
+                self.release()
+            outbox.is_open = False
+        elif not outbox.is_empty():
             self.release()
-        outbox.is_open = False
 
     def release(self) -> None:
         self._outbox.is_open = False

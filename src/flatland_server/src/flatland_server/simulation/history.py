@@ -180,7 +180,8 @@ class History:
 
     def _follow(self) -> None:
         """Keeps a state if one is due; called after each step."""
-        self._whole = []  # what came later is forgotten, if the run goes on from the past
+        if self._whole:  # what came later is forgotten, if the run goes on from the past
+            self._whole = []
         has_changed, late = self._seen != self._changes, self._timekeeper.nanoseconds - self._due
         if not has_changed:
             if late < 0 or monotonic() < self._next:

@@ -173,7 +173,7 @@ class SimulationManager(RunWithHistory):
         is_hurrying = ends_request = False  # is making the steps of a request; has made the last
         is_late = False  # the controllers are
         try:
-            while goes_on():
+            while True:
                 wait_time = 0.0 if is_hurrying else pacer.wait_time
                 if is_late:
                     wait_time = max(wait_time, _COMMAND_WAIT)
