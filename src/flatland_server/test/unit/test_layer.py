@@ -64,18 +64,12 @@ def test_images_and_grids_enclose_areas_but_lines_do_not(maps):
 
 
 def test_footprints_may_name_a_layer_without_a_map(files):
-    files.write(
-        "two.model.yaml",
-        """
-        bodies:
-          - name: left
-            pose: [-1, 0, 0]
-            footprints: [{type: circle, radius: 0.5, density: 1, layers: [nothing]}]
-          - name: right
-            pose: [1, 0, 0]
-            footprints: [{type: circle, radius: 0.5, density: 1, layers: [nothing]}]
-        """,
+    disc = "{type: circle, radius: 0.5, density: 1, layers: [nothing]}"
+    bodies = ", ".join(
+        f"{{name: {name}, pose: [{x}, 0, 0], footprints: [{disc}]}}"
+        for name, x in (("left", -1), ("right", 1))
     )
+    files.write("two.model.yaml", f"bodies: [{bodies}]")
     loaded = files.load(
         world("{name: nothing}") + "models:\n  - {name: two, model: two.model.yaml}"
     )

@@ -183,27 +183,16 @@ def test_a_message_that_may_not_wait_comes_after_those_that_do(subscriber, outbo
     assert waiting(theirs) == b""
 
 
-def test_messages_are_due_after_a_time_from_the_first_one(subscriber, monkeypatch):
+@pytest.mark.parametrize(("hold_time", "count"), [(0.0, 1), (1000.0, MOST)])
+def test_messages_are_due_after_a_time_or_if_there_are_many(
+    subscriber, monkeypatch, hold_time, count
+):
     _, _, connection = subscriber
-    outbox = opened(HeldMessages(0.0), monkeypatch)
-    assert not outbox.is_due()
-
-    connection.write_data(b"first")
-    assert outbox.is_due()
-
-    outbox.send()
-    assert not outbox.is_due()
-
-
-def test_messages_are_due_if_a_connection_has_many(subscriber, outbox):
-    _, _, connection = subscriber
-    for _ in range(MOST - 1):
+    outbox = opened(HeldMessages(hold_time), monkeypatch)
+    for _ in range(count):
+        assert not outbox.is_due()
         connection.write_data(b"message")
-    assert not outbox.is_due()
-
-    connection.write_data(b"message")
     assert outbox.is_due()
-
     outbox.send()
     assert not outbox.is_due()
 
