@@ -65,11 +65,6 @@ def test_a_quaternion_rolls_about_x_and_then_turns_about_z(yaw, roll):
         ]
     )
     about_z = matrix(Pose(0.0, 0.0, yaw))
-    about_x = np.array(
-        [
-            [1, 0, 0],
-            [0, math.cos(roll), -math.sin(roll)],
-            [0, math.sin(roll), math.cos(roll)],
-        ]
-    )
+    cos, sin = math.cos(roll), math.sin(roll)
+    about_x = np.array([[1, 0, 0], [0, cos, -sin], [0, sin, cos]])
     assert rotation == pytest.approx(about_z @ about_x, abs=1e-9)

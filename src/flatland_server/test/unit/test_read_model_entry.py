@@ -1,7 +1,7 @@
 """Spawning in two parts: reading on any thread, and adding on the simulation's."""
 
 import sys
-import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -29,22 +29,14 @@ def test_reading_changes_nothing(files):
 def test_the_second_entry_of_a_name_is_refused(files):
     world = files.load(EMPTY_WORLD)
     path = files.write("model.yaml", MODEL)
-    entries = []
+    with ThreadPoolExecutor(2) as pool:
+        read = lambda _: world.read_model_entry(path, "robot", "", POSE)  # noqa: E731
+        entries = list(pool.map(read, range(2)))
 
-    threads = [
-        threading.Thread(
-            target=lambda: entries.append(world.read_model_entry(path, "robot", "", POSE))
-        )
-        for _ in range(2)
-    ]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
     world.add_model(entries[0])
-
     with pytest.raises(ModelError, match='a model named "robot" is already there'):
         world.add_model(entries[1])
+
     assert list(world.models) == ["robot"]
 
 

@@ -1,14 +1,14 @@
 """The node's parameters: their defaults, and what is refused."""
 
-import math
+import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import pytest
 import rospy
+import yaml
 from rospkg import RosPack
 
 from flatland_server.exceptions import FlatlandError
-from flatland_server.hub.server_config import ServerConfig
 from flatland_server.ros.server_parameters import read_config
 
 
@@ -47,29 +47,16 @@ def read(monkeypatch):
 
 
 def test_the_defaults_are_those_of_the_launch_file(read):
-    assert read() == ServerConfig(
-        world_path=Path("/world.yaml"),
-        update_rate=200.0,
-        step_size=0.005,
-        control_period=None,
-        train_mode=False,
-        show_viz=True,
-        viz_pub_rate=30.0,
-        seed=0,
-        simplify_map=0,
-        no_return="inf",
-        static_tf=False,
-        tf_by_namespace=False,
-        wall_clock_stamps=False,
-        realtime_priority=True,
-        map_to_odom=False,
-        map=False,
-        odom_topic="odometry/filtered",
-        initial_pose="",
-        history=True,
-        command_age=math.inf,
-        models=(),
-    )
+    launch = ElementTree.parse(Path(RosPack().get_path("flatland_server"), "launch/server.launch"))
+    defaults = {
+        each.get("name"): yaml.safe_load(each.get("default"))
+        for each in launch.iter("arg")
+        if not each.get("default", "$").startswith("$")
+    }
+    del defaults["use_rviz"]  # is for the launch file alone
+
+    assert len(defaults) > 15
+    assert read(**defaults) == read()
 
 
 def test_a_history_is_kept_with_the_window_by_default(read):

@@ -13,12 +13,8 @@ from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.simulation.world import WorldPlugin
 
 HOOKS = (
-    "before_physics_step",
-    "begin_contact",
-    "pre_solve",
-    "post_solve",
-    "end_contact",
-    "after_physics_step",
+    *("before_physics_step", "begin_contact", "pre_solve"),
+    *("post_solve", "end_contact", "after_physics_step"),
 )
 FAR = Pose(-3.0, 2.0, 0.5)
 
@@ -28,6 +24,10 @@ plans: Dict[Tuple[str, str], Callable[[], None]] = {}
 starts: "Counter[str]" = Counter()
 ends: "Counter[str]" = Counter()
 """The numbers of starts and shutdowns of each model's plugins."""
+
+
+def _acts_in(hook: str) -> Callable[..., None]:
+    return lambda self, *_: self._act(hook)
 
 
 class Actor(ModelPlugin):
@@ -42,23 +42,8 @@ class Actor(ModelPlugin):
         if config.get_bool("fails", False):
             raise config.error("no luck")
 
-    def before_physics_step(self, timekeeper):
-        self._act("before_physics_step")
-
-    def begin_contact(self, contact):
-        self._act("begin_contact")
-
-    def pre_solve(self, contact, old_manifold):
-        self._act("pre_solve")
-
-    def post_solve(self, contact, impulse):
-        self._act("post_solve")
-
-    def end_contact(self, contact):
-        self._act("end_contact")
-
-    def after_physics_step(self, timekeeper):
-        self._act("after_physics_step")
+    before_physics_step, begin_contact, pre_solve = map(_acts_in, HOOKS[:3])
+    post_solve, end_contact, after_physics_step = map(_acts_in, HOOKS[3:])
 
     def on_shutdown(self):
         ends[self.model.name] += 1
