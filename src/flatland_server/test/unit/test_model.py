@@ -121,12 +121,6 @@ def test_parts_that_are_not_enabled_are_left_out(files):
     assert (world.physics.body_count, world.physics.joint_count) == (1, 0)
 
 
-def test_a_name_may_be_used_again_if_the_first_is_not_enabled(files):
-    world = load(files, model(BASE.replace("{", "{enabled: false, ", 1), BASE))
-
-    assert list(world.models["robot"].bodies) == ["base"]
-
-
 def test_damping_slows_a_body_down_as_configured(files):
     text = model(BASE.replace("name: base", "name: base, linear_damping: 2, angular_damping: 3"))
     world = load(files, text)

@@ -20,6 +20,7 @@ from flatland_server.ros.rospy_patches.nonblocking_connection import (
 )
 
 LIMIT = 10.0  # s
+MESSAGES = [bytes([i]) * 9000 for i in range(200)]
 
 
 class Transport:
@@ -87,27 +88,24 @@ def test_the_publishing_thread_sends_to_a_reading_subscriber(subscriber):
 
 def test_a_stalled_subscriber_loses_whole_messages(subscriber):
     theirs, _, connection = subscriber
-    messages = [bytes([i]) * 9000 for i in range(200)]
 
     begin = time.monotonic()
-    for message in messages:
+    for message in MESSAGES:
         connection.write_data(message)
     assert time.monotonic() - begin < LIMIT
 
-    numbers = receive_numbers(theirs, messages[-1])
-    assert len(numbers) < len(messages)
+    assert len(receive_numbers(theirs, MESSAGES[-1])) < len(MESSAGES)
 
 
 def test_messages_that_have_not_waited_for_long_are_not_lost(subscriber, monkeypatch):
     theirs, transport, _ = subscriber
     monkeypatch.setattr(nonblocking_connection, "PATIENCE", 1000.0)
     connection = NonblockingConnection(transport, 3)
-    messages = [bytes([i]) * 9000 for i in range(200)]
 
-    for message in messages:
+    for message in MESSAGES:
         connection.write_data(message)
 
-    assert receive_numbers(theirs, messages[-1]) == list(range(200))
+    assert receive_numbers(theirs, MESSAGES[-1]) == list(range(200))
 
 
 def test_a_message_larger_than_the_socket_arrives_whole(subscriber):
@@ -199,7 +197,7 @@ def test_messages_are_due_after_a_time_or_if_there_are_many(
 
 def test_a_full_queue_loses_whole_messages(subscriber, outbox):
     theirs, _, connection = subscriber
-    messages = [bytes([i]) * 9000 for i in range(100)]
+    messages = MESSAGES[:100]
 
     for begin in range(0, 100, 10):
         for message in messages[begin : begin + 10]:

@@ -70,16 +70,12 @@ class Stage:
         ball = "{type: circle, radius: 0.1, density: 1, restitution: 1}"
         square = "{type: polygon, points: [[0, -1], [1, -1], [1, 1], [0, 1]], density: 1}"
         plugin = "plugins: [{type: Actor, name: actor}]"
-        files.write("ball.yaml", f"bodies: [{{name: base, footprints: [{ball}]}}]\n{plugin}\n")
-        files.write(
-            "post.yaml", f"bodies: [{{name: base, type: static, footprints: [{square}]}}]\n{plugin}"
-        )
-        files.write(
-            "bad.yaml",
-            f"bodies: [{{name: base, footprints: [{ball}]}}]\nplugins:\n"
-            "  - {type: Actor, name: a}\n  - {type: Actor, name: b}\n"
-            "  - {type: Actor, name: c, fails: true}\n",
-        )
+        body = f"bodies: [{{name: base, footprints: [{ball}]}}]\n"
+        static = f"bodies: [{{name: base, type: static, footprints: [{square}]}}]\n"
+        bad = [f"\n  - {{type: Actor, name: {each}}}" for each in ("a", "b", "c, fails: true")]
+        files.write("ball.yaml", body + plugin)
+        files.write("post.yaml", static + plugin)
+        files.write("bad.yaml", f"{body}plugins:{''.join(bad)}\n")
         self.world = files.load("properties: {}\nlayers: [{name: walls}]\n")
         self.world.add_walls("walls", np.array([[-9.0, -9.0, 9.0, -9.0]]))
         self.simulation = simulate(self.world)
@@ -92,6 +88,11 @@ class Stage:
 
     def body(self, name: str) -> _core.Body:
         return self.world.get_model(name).base.physics_body
+
+    def cue(self) -> None:
+        """Sends a message to all plugins, whose callbacks are run."""
+        self.simulation.transport.send("/cue", "go")
+        self.simulation.transport.process()
 
     def run(self, seconds=None) -> None:
         self.simulation.run(seconds)

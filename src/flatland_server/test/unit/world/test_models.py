@@ -2,6 +2,8 @@
 
 import math
 import re
+import sys
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import pytest
@@ -9,11 +11,12 @@ from logged import warnings
 from world.parts import BODIES, EMPTY, spawn, state
 
 from flatland_server import _core
-from flatland_server.exceptions import ModelError
+from flatland_server.exceptions import ModelError, YamlError
 from flatland_server.geometry import Pose
 from flatland_server.models.footprint import Circle
 from flatland_server.models.joint import JointConfig
 from flatland_server.models.model import ModelConfig
+from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
 from flatland_server.simulation.world_config import ModelEntry
 
 
@@ -159,3 +162,54 @@ def test_all_plugins_that_do_not_start_are_reported_at_once(models):
         'worse.yaml:9: plugins[0].type: unknown plugin type "Talkr" (did you mean "Talker"?); '
         "there are: Failing, Herald, Talker",
     ]
+
+
+# Spawning in two parts: reading on any thread, and adding on the simulation's.
+
+
+def test_reading_an_entry_changes_nothing(models):
+    world = models.load(EMPTY)
+    before = state(world)
+
+    entry = world.read_model_entry(models.folder / "good.yaml", "robot", "ns", Pose(1.0, 2.0, 0.5))
+
+    assert (entry.name, entry.namespace, entry.pose) == ("robot", "ns", Pose(1.0, 2.0, 0.5))
+    assert state(world) == before
+    world.add_model(entry)
+    assert world.get_model("robot").pose == pytest.approx(Pose(1.0, 2.0, 0.5))
+
+
+def test_the_second_entry_of_a_name_is_refused(models):
+    world = models.load(EMPTY)
+    path = models.folder / "good.yaml"
+    with ThreadPoolExecutor(2) as pool:
+        read = lambda _: world.read_model_entry(path, "robot", "", Pose())  # noqa: E731
+        entries = list(pool.map(read, range(2)))
+
+    world.add_model(entries[0])
+    with pytest.raises(ModelError, match='a model named "robot" is already there'):
+        world.add_model(entries[1])
+
+    assert list(world.models) == ["robot"]
+
+
+def test_plugin_classes_are_imported_by_reading(models, tmp_path, monkeypatch):
+    (tmp_path / "imported_late.py").write_text("from world.parts import Talker as Late\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    loader = PluginLoader([PluginDeclaration("Late", "tests", "imported_late.Late")])
+    world = models.load(EMPTY, loader=loader)
+    path = models.write("late.yaml", f"{BODIES}plugins: [{{type: Late, name: late}}]")
+    assert "imported_late" not in sys.modules
+
+    world.read_model_entry(path, "robot", "", Pose())
+
+    assert sys.modules.pop("imported_late")
+
+
+def test_adding_a_model_reports_an_unknown_plugin_with_its_line(models):
+    world = models.load(EMPTY)
+    path = models.write("late.yaml", f"{BODIES}plugins:\n- {{type: Lazer, name: laser}}")
+    entry = world.read_model_entry(path, "robot", "", Pose())
+
+    with pytest.raises(YamlError, match=r'late\.yaml:9: .*unknown plugin type "Lazer"'):
+        world.add_model(entry)
