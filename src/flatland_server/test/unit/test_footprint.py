@@ -4,8 +4,6 @@ import math
 
 import pytest
 
-from flatland_server import _core
-from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.footprint import Footprint, Polygon
 from flatland_server.models.model import ModelConfig
 
@@ -70,16 +68,6 @@ def test_a_footprint_has_the_bits_of_all_its_layers(files):
     footprint = read(files, "{type: circle, radius: 1, density: 1, layers: [c, a]}", "a", "b", "c")
 
     assert footprint.layer_bits == 0b101
-
-
-def test_footprints_are_checked_without_a_physical_world(tmp_path, monkeypatch):
-    monkeypatch.setattr(_core, "World", None)
-    file = tmp_path / "model.yaml"
-    file.write_text(model("{type: circle, radius: 1, density: 1}"))
-
-    config = ModelConfig.from_file(file, CollisionFilterRegistry())
-
-    assert [len(body.footprints) for body in config.bodies] == [1, 1]
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,6 @@ import pytest
 from PIL import Image
 
 from flatland_server import _core
-from flatland_server.config.yaml_reader import YamlReader
-from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
-from flatland_server.models.layer import LayerConfig
 from flatland_server.simulation.run import Run
 from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.timekeeper import Timekeeper
@@ -81,21 +78,6 @@ def test_footprints_may_name_a_layer_without_a_map(files):
     assert len(loaded.layers[0].segments) == 0
     assert right.pose.x > 1.2
     assert left.pose.x < right.pose.x - 0.98
-
-
-# Reading
-
-
-def test_reading_a_layer_names_its_map_and_leaves_it_unread(files):
-    files.write("map.yaml", "[this is no map file")
-    files.write("world.yaml", world("{name: [a, b], map: map.yaml}", "{name: c}"))
-    reader = YamlReader.from_file(files.folder / "world.yaml")
-    registry = CollisionFilterRegistry()
-
-    first, second = reader.get_sections("layers", lambda entry: LayerConfig.read(entry, registry))
-
-    assert (first.names, first.bits, first.map) == (("a", "b"), 0b11, files.folder / "map.yaml")
-    assert (second.names, second.bits, second.map) == (("c",), 0b100, None)
 
 
 def test_a_map_of_two_layers_is_read_once(maps):

@@ -18,15 +18,12 @@ from flatland_server.transport.local_transport import LocalTransport
 SECOND, STEP = 1_000_000_000, 5_000_000  # ns
 START = 1_800_000_000 * SECOND
 
-LASER = """
-  - type: Laser
-    name: laser
-    body: base
-    range: 5
-    noise_std_dev: 0.1
-    angle: {min: -1, max: 1, increment: 0.5}
-"""
-ROBOT = "bodies: [{name: base, footprints: [{type: circle, radius: 0.2, density: 1}]}]\nplugins:"
+
+ROBOT = """
+bodies: [{name: base, footprints: [{type: circle, radius: 0.2, density: 1}]}]
+plugins:
+- {type: Laser, name: laser, body: base, range: 5, noise_std_dev: 0.1, angle: ANGLES}
+""".replace("ANGLES", "{min: -1, max: 1, increment: 0.5}")
 WORLD = """
 properties: {}
 layers: [{name: walls, map: {segments: [[2, -5, 2, 5]]}}]
@@ -70,7 +67,7 @@ def clock():
 @pytest.fixture
 def world(files):
     """A robot with noise in its scans, in a world on a transport."""
-    files.write("robot.model.yaml", ROBOT + LASER)
+    files.write("robot.model.yaml", ROBOT)
     path = files.write("world.yaml", WORLD)
     return lambda transport: World.from_file(path, transport)
 
