@@ -145,8 +145,9 @@ def test_a_reset_is_refused_while_plugins_start_or_stop(load, monkeypatch, plugi
 
     def reset(self, *arguments):
         original(self, *arguments)
+        world = self.world if plugin is Herald else simulation.world
         with pytest.raises(FlatlandError) as caught:
-            self.world.reset()
+            world.reset()
         refusals.append(str(caught.value))
 
     monkeypatch.setattr(plugin, hook, reset)
