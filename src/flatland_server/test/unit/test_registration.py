@@ -219,11 +219,12 @@ def test_closed_topics_are_unregistered_while_rospy_shuts_down(master, monkeypat
     assert names(master) == [LOGGERS[0]]
 
 
-def test_after_its_end_the_master_is_not_called(master, registrar):
+def test_after_its_end_the_master_is_not_called(master, registrar, monkeypatch):
     registrar.reg_added(*ODOM)
     registrar.stop()
     calls = len(master.calls)
     assert "/odom" in names(master)
+    monkeypatch.setattr(module, "_END_LIMIT", 0.0)  # it ends once more after the test
 
     registrar.reg_added(*CMD_VEL)
     master.known.clear()

@@ -163,14 +163,11 @@ def test_a_flag_may_be_0_or_1_as_for_roslaunch(read, value):
             "world_path:=PATH for roslaunch, _world_path:=PATH for rosrun",
         ),
         ("update_rate", 0, "~update_rate: expected a number above 0, found 0"),
-        ("update_rate", "fast", "~update_rate: expected a number above 0, found fast"),
         ("update_rate", True, "~update_rate: expected a number above 0, found True"),
-        ("step_size", -0.005, "~step_size: expected a number above 0, found -0.005"),
         ("step_size", "inf", "~step_size: expected a number above 0, found inf"),
         ("viz_pub_rate", "nan", "~viz_pub_rate: expected a number above 0, found nan"),
         ("viz_pub_rate", [30], "~viz_pub_rate: expected a number above 0, found [30]"),
         ("seed", -1, "~seed: expected a whole number of 0 or more, found -1"),
-        ("seed", 0.5, "~seed: expected a whole number of 0 or more, found 0.5"),
         ("seed", True, "~seed: expected a whole number of 0 or more, found True"),
         ("simplify_map", 3, "~simplify_map: expected 0, 1 or 2, found 3"),
         ("show_viz", "yes", "~show_viz: expected true or false, found yes"),
@@ -180,7 +177,6 @@ def test_a_flag_may_be_0_or_1_as_for_roslaunch(read, value):
         ("models", "package://", '~models: expected package://name/path, found "package://"'),
         ("world_path", "package://x", 'expected package://name/path, found "package://x"'),
         ("show_viz", 1.0, "~show_viz: expected true or false, found 1.0"),
-        ("realtime_priority", 2, "~realtime_priority: expected true or false, found 2"),
     ],
 )
 def test_a_wrong_parameter_is_named(read, name, value, message):

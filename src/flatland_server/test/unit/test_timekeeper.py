@@ -116,3 +116,8 @@ def test_missed_updates_are_not_caught_up():
 def test_an_invalid_rate_is_refused(rate):
     with pytest.raises(ValueError, match=r"expected a rate above 0 Hz, found "):
         UpdateTimer(rate)
+
+
+@pytest.mark.parametrize(("rate", "period"), [(10.0, 0.1), (math.inf, 0.0)])
+def test_the_period_is_one_over_the_rate(rate, period):
+    assert UpdateTimer(rate).period == pytest.approx(period)
