@@ -101,7 +101,7 @@ class NeverNoticesSubscribers(Beacon):
 
 NamespacesTopicTwice = broken(
     "NamespacesTopicTwice",
-    own_topic=lambda self, topic: "/".join(filter(None, (self.model.namespace, topic))),
+    own_topic=lambda self, topic: "/".join(filter(None, (self.model.namespace, topic.strip("/")))),
 )
 
 
