@@ -124,11 +124,6 @@ def test_the_error_for_an_unknown_type_suggests_and_lists(packages):
         assert refusal(type) == (
             f'unknown plugin type "{type}" (did you mean "DiffDrive"?); there are: DiffDrive, Laser'
         )
-
-
-def test_a_known_name_in_an_unknown_package_is_unknown(packages):
-    packages.add_plugin("a_plugins", "Laser", "loader_package")
-
     assert refusal("c_plugins::Laser").startswith('unknown plugin type "c_plugins::Laser"')
 
 

@@ -10,7 +10,10 @@ from flatland_server.exceptions import FlatlandError
 
 @pytest.fixture
 def transport():
-    return WaitingTransport()
+    """Has a subscription of /a."""
+    transport = WaitingTransport()
+    transport.subscribe("/a", str, lambda _: None)
+    return transport
 
 
 @pytest.fixture
@@ -97,8 +100,7 @@ def test_a_second_request_is_refused_until_the_first_is_done(manager):
 
 def test_steps_are_made_once_the_messages_have_come(manager, transport):
     to_come = {3: "/a", 7: "/b"}  # by round
-    for topic in to_come.values():
-        transport.subscribe(topic, str, lambda _: None)
+    transport.subscribe("/b", str, lambda _: None)
     transport.meanwhile = lambda: transport.send(to_come.get(len(transport.waits), "/c"), "go")
     counts = {}
     manager.on_tick.append(lambda: counts.update({len(transport.waits): steps(manager)}))
@@ -111,7 +113,6 @@ def test_steps_are_made_once_the_messages_have_come(manager, transport):
 
 
 def test_messages_since_the_last_step_count_for_a_request(manager, transport):
-    transport.subscribe("/a", str, lambda _: None)
     transport.send("/a", "early")
     run(manager, 1)
     assert manager.request_steps(1, ["/a"])
@@ -127,7 +128,6 @@ def test_messages_since_the_last_step_count_for_a_request(manager, transport):
 
 
 def test_a_pause_ends_a_request_that_waits_for_ever(manager, transport):
-    transport.subscribe("/a", str, lambda _: None)
     done = manager.request_steps(1, ["/a"], timeout=float("inf"))
     manager.on_tick.append(manager.pause)
 
@@ -147,23 +147,22 @@ def test_a_topic_without_a_subscription_is_refused(manager, transport):
 
 
 def test_all_subscriptions_of_a_topic_have_to_get_a_message(transport):
-    first, second = transport.arrivals.open("/a"), transport.arrivals.open("/a")
+    first, second = transport.arrivals.open("/b"), transport.arrivals.open("/b")
 
     first.note()
-    assert transport.arrivals.has_received("/a") is False
+    assert transport.arrivals.has_received("/b") is False
     second.note()
-    assert transport.arrivals.has_received("/a") is True
+    assert transport.arrivals.has_received("/b") is True
     transport.flush()
-    assert transport.arrivals.has_received("/a") is False
+    assert transport.arrivals.has_received("/b") is False
     first.note()
     transport.arrivals.close(second)
-    assert transport.arrivals.has_received("/a") is True
+    assert transport.arrivals.has_received("/b") is True
     transport.arrivals.close(first)
-    assert transport.arrivals.has_received("/a") is None
+    assert transport.arrivals.has_received("/b") is None
 
 
 def test_a_request_ends_when_the_simulation_is_resumed(manager, transport):
-    transport.subscribe("/a", str, lambda _: None)
     done = manager.request_steps(3, ["/a"])
     manager.resume()
 
