@@ -107,7 +107,7 @@ def test_a_run_goes_on_from_a_saved_state_bit_for_bit(load):
         ({"index": 2}, 'the body "base" has no footprint 2; it has 2, from index 0'),
         ({"index": -1}, "expected an index of a footprint that is a whole number of 0 or more"),
         ({"index": 1.0}, "expected an index of a footprint that is a whole number of 0 or more"),
-        ({"body": "bas"}, 'the model has no body "bas" (did you mean "base"?)'),
+        ({"body": "bas"}, 'the model has no body "bas" (did you mean "base"?); it has: base'),
         ({"shape": 0.5}, "expected a Circle or a Polygon, found 0.5"),
         ({"shape": Circle((1e4, 0), 1e-3)}, "cannot have this footprint: a footprint is too small"),
     ],

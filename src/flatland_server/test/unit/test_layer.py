@@ -32,14 +32,6 @@ def world(*layers: str) -> str:
     return f"properties: {{}}\nlayers:{entries or ' []'}\n"
 
 
-def test_walls_of_a_layer_stand_in_the_physical_world(maps):
-    loaded = maps.load(world("{name: a, map: map.yaml}"))
-
-    ranges, _ = loaded.physics.scan(_core.BeamFan(0.0, 1.0, 1), (0.0, 1.5, 0.0), 5.0)
-
-    assert ranges.tolist() == pytest.approx([1.0])
-
-
 def test_each_name_of_a_layer_is_a_collision_layer(maps):
     loaded = maps.load(world("{name: [a, b], map: wall.yaml}", "{name: c}"))
 

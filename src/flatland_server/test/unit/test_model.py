@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from flatland_server.exceptions import FlatlandError, ModelError
+from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
 
 DISC = "footprints: [{type: circle, radius: 0.1, density: 1}]"
@@ -131,13 +131,3 @@ def test_damping_slows_a_body_down_as_configured(files):
 
     # Box2D: v <- v / (1 + damping * dt) at each step
     assert body.velocity == pytest.approx((1.01**-200, 0.0, 1.015**-200), rel=1e-3, abs=1e-6)
-
-
-def test_the_error_for_an_unknown_body_names_the_known_ones(files):
-    robot = load(files, model(BASE, WHEEL)).models["robot"]
-
-    with pytest.raises(ModelError) as caught:
-        robot.get_body("whele")
-
-    message = 'the model has no body "whele" (did you mean "wheel"?); it has: base, wheel'
-    assert str(caught.value) == message

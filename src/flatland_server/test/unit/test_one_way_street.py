@@ -164,6 +164,13 @@ def test_rospy_is_really_blocked():
         run_without_ros(IMPORT_MODULES, "flatland_server.ros.server")
 
 
+def test_plugins_import_from_the_front_alone():
+    is_inside = re.compile(r"flatland_server\.\w+\.").match
+    plugins = [*sources("flatland_plugins"), *sources("flatland_example_plugins")]
+
+    assert found(plugins, lambda name: bool(is_inside(name))) == []
+
+
 def test_messages_are_asked_for_by_name():
     is_message = lambda name: name.partition(".")[0].endswith(("_msgs", "genpy"))  # noqa: E731
 

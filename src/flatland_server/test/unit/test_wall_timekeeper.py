@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from flatland_server.exceptions import UsageError
-from flatland_server.messages import header
-from flatland_server.messages.stamps import set_stamp_offset, stamp_of
+from flatland_server.messages.stamps import set_stamp_offset
 from flatland_server.simulation.run import Run
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.wall_timekeeper import WallTimekeeper
@@ -97,15 +96,6 @@ def run(manager, steps):
 def run_in_pause(manager, rounds):
     asked = iter(range(2 * rounds))
     manager.run(lambda: next(asked, None) is not None)
-
-
-def test_simulated_time_begins_at_0_and_stamps_at_real_time(clock):
-    timekeeper = WallTimekeeper(0.005, clock.nanoseconds)
-    timekeeper.step()
-
-    assert timekeeper.nanoseconds == STEP
-    assert header(timekeeper.nanoseconds, "map").stamp.to_nsec() == START + STEP
-    assert stamp_of(timekeeper.nanoseconds) == divmod(START + STEP, SECOND)
 
 
 def test_stamps_are_a_step_apart_though_steps_are_late(manager, stamps):

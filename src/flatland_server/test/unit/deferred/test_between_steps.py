@@ -40,18 +40,6 @@ def test_a_callback_spawns_or_moves_a_model_at_once(stage):
     assert tuple(seen[1]) == pytest.approx(FAR)
 
 
-def test_no_callback_is_called_after_its_plugin_was_stopped(stage):
-    plans["robot", "callback"] = lambda: stage.world.delete_model("bystander")
-    late = []
-    plans["bystander", "callback"] = lambda: late.append("called")
-
-    stage.cue()
-    stage.run()
-
-    assert late == []
-    plans.clear()
-
-
 def test_a_plugin_failing_after_deleting_itself_ends_once(stage, caplog):
     def delete_and_fail():
         stage.world.delete_model("robot")

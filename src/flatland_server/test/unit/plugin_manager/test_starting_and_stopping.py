@@ -33,16 +33,6 @@ def test_a_failing_on_shutdown_does_not_prevent_the_others(files, caplog):
     assert errors(caplog) == ['the plugin "robot/b" failed in on_shutdown']
 
 
-def test_closing_the_world_stops_all_plugins_once(files):
-    world = world_of(files, "a: type: Recorder, name: p; b: type: Recorder, name: p")
-    calls.clear()
-
-    world.close()
-    world.close()
-
-    assert sorted(calls) == [("a/p", "on_shutdown"), ("b/p", "on_shutdown")]
-
-
 def test_a_spawn_that_fails_in_its_third_plugin_leaves_nothing(files, caplog):
     world = world_of(files, "other: type: Recorder, name: p")
     entities, joints = list(world.entities), world.physics.joint_count
