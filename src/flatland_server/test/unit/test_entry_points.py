@@ -111,15 +111,6 @@ def test_a_cpp_class_of_the_same_name_is_hidden(packages):
     assert module_of("Pusher") == "loader_mine.push"
 
 
-def test_a_name_in_two_packages_is_ambiguous(packages):
-    packages.add("loader_mine", "Pusher = loader_mine.push:Pusher")
-    packages.add("loader_yours", "Pusher = loader_yours.push:Pusher")
-
-    with pytest.raises(PluginError, match="write loader_mine::Pusher or loader_yours::Pusher"):
-        module_of("Pusher")
-    assert module_of("loader_yours::Pusher") == "loader_yours.push"
-
-
 @pytest.mark.parametrize(
     ("line", "word"),
     [

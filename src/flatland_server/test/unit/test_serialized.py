@@ -119,14 +119,6 @@ def test_poses_of_another_number_of_bodies_are_refused():
         frames.send(7, _core.RelativePoses(None, [body]))
 
 
-def test_fields_beyond_the_end_of_a_message_are_refused():
-    poses = _core.RelativePoses(None, [_core.World().add_body("dynamic", (0, 0, 0))])
-
-    for fields in ((0, 13, None), (0, None, 30), (60, None, None)):
-        with pytest.raises(IndexError, match="bytes of a message or more, found 68"):
-            _core.BodyMessage(bytes(68), poses, [fields])
-
-
 def test_a_message_of_a_body_that_is_gone_is_refused():
     body = _core.World().add_body("dynamic", (0, 0, 0))
     message = _core.BodyMessage(bytes(68), _core.RelativePoses(None, [body]), [(0, 12, None)])

@@ -117,15 +117,12 @@ def test_messages_for_one_model_in_a_row_are_one_edit(server):
     assert server.edits.next_texts[0] == ""
 
 
-def test_a_new_edit_leaves_nothing_to_redo(server):
+def test_a_new_edit_leaves_nothing_to_redo_and_a_reset_nothing_to_undo(server):
     server.move("a", 0.0, 0.0)
     revert(server, "undo")
     server.move("b", 1.0, 0.0)
     assert server.edits.next_texts == ("Move b", "")
 
-
-def test_a_reset_world_has_nothing_to_undo(server):
-    server.move("a", 0.0, 0.0)
     server.reset()
     assert server.edits.next_texts == ("", "")
     with pytest.raises(FlatlandError, match="nothing to undo"):
