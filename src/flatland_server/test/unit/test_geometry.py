@@ -1,4 +1,4 @@
-"""Poses and quaternions, checked against rotation matrices."""
+"""Poses and quaternions, against rotation matrices; trigonometry of arrays."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The progress of loading a large world, in the log."""
+"""Log messages about what takes long: loading a large world, and other blocks."""
 
 import logging
 import threading

@@ -1,4 +1,4 @@
-"""Message types of our own, against ROS's."""
+"""Message types and times of our own, against ROS's."""
 
 import copy
 import dataclasses

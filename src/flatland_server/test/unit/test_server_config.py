@@ -18,29 +18,25 @@ def read(monkeypatch):
     world's path, and others by their absolute names.
     """
 
+    def full(name):
+        return name.replace("~", "/robots/server/")
+
     def read_with(others=None, **params):
-        private = {
-            f"/robots/server/{k}": v for k, v in {"world_path": "/world.yaml", **params}.items()
-        }
+        private = {full(f"~{k}"): v for k, v in {"world_path": "/world.yaml", **params}.items()}
         params = {k: v for k, v in {**private, **(others or {})}.items() if v is not None}
 
         def search(name):  # as the ROS master does
             namespaces = ("/robots/server/", "/robots/", "/")
             return next((ns + name for ns in namespaces if ns + name in params), None)
 
-        monkeypatch.setattr(
-            rospy,
-            "get_param",
-            lambda name, default: params.get(name.replace("~", "/robots/server/"), default),
-        )
-        monkeypatch.setattr(rospy, "search_param", search)
-        monkeypatch.setattr(
-            rospy, "resolve_name", lambda name: name.replace("~", "/robots/server/")
-        )
-        monkeypatch.setattr(rospy, "get_param_names", lambda: list(params))
-        monkeypatch.setattr(
-            rospy, "delete_param", lambda name: params.pop(name.replace("~", "/robots/server/"))
-        )
+        for name, fake in (
+            ("get_param", lambda name, default: params.get(full(name), default)),
+            ("search_param", search),
+            ("resolve_name", full),
+            ("get_param_names", lambda: list(params)),
+            ("delete_param", lambda name: params.pop(full(name))),
+        ):
+            monkeypatch.setattr(rospy, name, fake)
         return read_config().server
 
     return read_with
