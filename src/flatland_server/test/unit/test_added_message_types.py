@@ -5,7 +5,6 @@ import pytest
 
 from flatland_server import MessageError, messages
 from flatland_server.messages import times
-from flatland_server.messages.definition import Definition
 from flatland_server.messages.message_types import MessageTypes
 from flatland_server.messages.wire_form import serialized
 
@@ -114,9 +113,3 @@ def test_types_of_a_python_package_are_in_its_folder_msg(tmp_path, monkeypatch):
             types.get("pallet_plugins/Palet")
         with pytest.raises(MessageError, match=r"Wrong\.msg:2: expected each name once"):
             types.get("pallet_plugins/Wrong")
-
-
-def test_constants_of_a_definition_are_read_in_their_types():
-    definition = Definition.parse("a/B", DEFINITION)
-
-    assert [constant.value for constant in definition.constants] == [0.5, '"kg" # all of it', True]

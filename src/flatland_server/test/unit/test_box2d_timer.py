@@ -6,8 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from flatland_server import _core
-
 BUSY_WORLD = """
 import ctypes, hashlib, sys
 for library in sys.argv[1:]:
@@ -57,10 +55,6 @@ def shared_box2d():
     if not paths:
         pytest.skip("Box2D is a static library here")
     return paths.pop()
-
-
-def test_box2d_does_not_read_the_clock():
-    assert not _core.box2d_reads_clock()
 
 
 def test_results_are_the_same_with_the_clock():

@@ -2,6 +2,7 @@
 
 import os
 import socket
+from pathlib import Path
 
 import pytest
 
@@ -35,10 +36,8 @@ def kept(tmp_path):
 @pytest.mark.parametrize(
     ("name", "found"),
     [
-        ("box.yaml", "worlds/box.yaml"),
-        ("./box.yaml", "worlds/box.yaml"),
+        *((name, "worlds/box.yaml") for name in ("box.yaml", "./box.yaml", "../worlds/box.yaml")),
         ("../box.yaml", "box.yaml"),
-        ("../worlds/box.yaml", "worlds/box.yaml"),
     ],
 )
 def test_a_relative_model_path_begins_in_the_worlds_folder(
@@ -54,47 +53,31 @@ def test_a_relative_model_path_begins_in_the_worlds_folder(
     assert ClientFiles(world, None).model_file(name).resolve() == tmp_path / found
 
 
-def a_folder(path):
-    path.mkdir()
-
-
-def a_pipe(path):
-    os.mkfifo(path)
-
-
 def a_socket(path):
     with socket.socket(socket.AF_UNIX) as each:
         each.bind(str(path))
 
 
-def a_device(path):
-    path.symlink_to("/dev/zero")
-
-
-def somebodys_file(path):
-    path.write_text("alias ll='ls -l'\n")
-
-
 def a_link_to_a_state(path):
-    target = path.with_name("target")
-    target.write_bytes(STATE)
-    path.symlink_to(target)
+    path.with_name("target").write_bytes(STATE)
+    path.symlink_to("target")
 
 
-def a_link_to_nothing(path):
-    path.symlink_to(path.with_name("nothing"))
+MAKE = {
+    "a folder": Path.mkdir,
+    "a pipe": os.mkfifo,
+    "a socket": a_socket,
+    "a device": lambda path: path.symlink_to("/dev/zero"),
+    "somebody's file": lambda path: path.write_text("alias ll='ls -l'\n"),
+    "a link to a state": a_link_to_a_state,
+    "a link to nothing": lambda path: path.symlink_to("nothing"),
+}
 
 
-@pytest.mark.parametrize(
-    "make",
-    [
-        *(a_folder, a_pipe, a_socket, a_device, somebodys_file),
-        *(a_link_to_a_state, a_link_to_nothing),
-    ],
-)
-def test_a_state_is_written_over_nothing_but_a_state(tmp_path, make):
+@pytest.mark.parametrize("kind", MAKE)
+def test_a_state_is_written_over_nothing_but_a_state(tmp_path, kind):
     path = tmp_path / "state"
-    make(path)
+    MAKE[kind](path)
     before = path.lstat()
 
     with pytest.raises(StateError, match="expected a new file or a saved state"):
@@ -105,23 +88,16 @@ def test_a_state_is_written_over_nothing_but_a_state(tmp_path, make):
     assert not list(tmp_path.glob(".*"))  # nothing is left behind
 
 
-def test_a_state_replaces_a_state(tmp_path):
+def test_a_state_replaces_a_state_with_its_permissions(tmp_path):
     path = tmp_path / "state"
-
-    for state in (STATE, STATE + b" "):
-        write_state(path, state)
-        assert path.read_bytes() == state
-    assert os.listdir(tmp_path) == ["state"]
-
-
-def test_permissions_of_a_replaced_state_stay(tmp_path):
-    path = tmp_path / "state"
-    path.write_bytes(STATE)
+    write_state(path, STATE)
     path.chmod(0o600)
 
     write_state(path, STATE + b" ")
 
+    assert path.read_bytes() == STATE + b" "
     assert path.stat().st_mode & 0o777 == 0o600
+    assert os.listdir(tmp_path) == ["state"]
 
 
 def test_a_folder_that_cannot_be_written_is_named(tmp_path):
@@ -129,10 +105,10 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path):
         write_state(tmp_path / "none" / "state", STATE)
 
 
-@pytest.mark.parametrize("make", [a_folder, a_pipe, a_device])
-def test_a_state_is_read_from_a_regular_file_alone(tmp_path, make):
+@pytest.mark.parametrize("kind", ["a folder", "a pipe", "a device"])
+def test_a_state_is_read_from_a_regular_file_alone(tmp_path, kind):
     path = tmp_path / "state"
-    make(path)
+    MAKE[kind](path)
 
     with pytest.raises(StateError, match=r"/state: (expected a regular file|cannot be read)"):
         read_state(path)
@@ -183,13 +159,8 @@ def test_with_a_state_folder_clients_name_only_the_owners_files(world, kept, tmp
 @pytest.mark.parametrize(
     "content",
     [
-        *(
-            "root:x:0:0:secret\n",
-            "password: secret\n",
-            "- secret\n",
-            "a: [secret\n",
-            "a: *secrets\n",
-        ),
+        *("root:x:0:0:secret\n", "password: secret\n", "- secret\n"),
+        *("a: [secret\n", "a: *secrets\n"),
         "site_name: secret\nplugins:\n- secret\nsecret: 1\n",
         "layers: secret\nproperties: secret\n",
         "layers: [{name: secret, secret: 1}]\n",
@@ -221,26 +192,22 @@ def test_a_folder_costs_no_descriptor(tmp_path):
     assert len(os.listdir("/proc/self/fd")) == len(before)
 
 
-def test_a_client_is_told_all_about_a_world(world, tmp_path):
-    path = tmp_path / "world.yaml"
-    path.write_text("properties: {}\nlayers: [{name: wide, color: blue}]\nmodles: []\n")
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("properties: {}\nlayers: [{name: wide, color: blue}]\nmodles: []\n", "blue"),
+        (BOX.replace("radius: 1", "radius: wide"), "wide"),
+    ],
+)
+def test_a_client_is_told_all_about_worlds_and_models(world, tmp_path, text, found):
+    path = tmp_path / "file.yaml"
+    path.write_text(text)
 
     with pytest.raises(YamlError) as error:
-        WorldConfig.from_file(path)
+        (world.read_model if "bodies" in text else WorldConfig.from_file)(path)
 
     assert told(error.value) == f"YamlError: {error.value}"
-    assert 'found "blue"' in told(error.value)
-
-
-def test_a_client_is_told_all_about_files_of_flatland(world, tmp_path):
-    model = tmp_path / "model.yaml"
-    model.write_text(BOX.replace("radius: 1", "radius: wide"))
-
-    with pytest.raises(YamlError) as error:
-        world.read_model(model)
-
-    assert told(error.value) == f"YamlError: {error.value}"
-    assert 'found "wide"' in told(error.value)
+    assert f'found "{found}"' in told(error.value)
 
 
 @pytest.mark.parametrize(

@@ -1,48 +1,30 @@
 """Simulated time that waits for the commands of a controller; on a simulated clock."""
 
 import pytest
+from simulated_clock import WaitingTransport, manager_on
 
 from flatland_server.messages import get
-from flatland_server.simulation.simulation_manager import SimulationManager
-from flatland_server.simulation.world import World
-from flatland_server.simulation.world_config import WorldConfig
-from flatland_server.timekeeper import Timekeeper
-from flatland_server.transport.local_transport import LocalTransport
-
-
-class Clocked(LocalTransport):
-    """Waits on the simulated clock, and hears a command at some times."""
-
-    def __init__(self):
-        super().__init__()
-        self.now = 0.0
-        self.commands = []  # times [s]
-
-    def process(self, timeout=0.0):
-        self.now += timeout
-        while self.commands and self.now >= self.commands[0]:
-            self.commands.pop(0)
-            self.send("/cmd_vel", get("geometry_msgs/Twist")())
-        super().process(timeout)
 
 
 @pytest.fixture
 def manager(files):
     """Ten times real time, commands at most 0.1 s of simulated time old."""
-    transport = Clocked()
-    path = files.write("world.yaml", "properties: {}\nlayers: []\n")
-    world = World(WorldConfig.from_file(path), transport)
+    transport = WaitingTransport()
     transport.subscribe("/cmd_vel", get("geometry_msgs/Twist"), lambda _: None)
-    return SimulationManager(
-        world, Timekeeper(0.005), 2000.0, command_age=0.1, clock=lambda: transport.now
-    )
+    return manager_on(transport, files, 2000.0, command_age=0.1)
 
 
 def run(manager, until, commands=()):
-    """Runs up to a real time; returns the simulated time [s] that has passed meanwhile."""
-    before, transport = manager.timekeeper.seconds, manager.transport
-    transport.commands = list(commands)
-    manager.run(lambda: transport.now < until)
+    """Runs up to a real time, with commands at some; returns how much simulated time has passed."""
+    before, transport, to_come = manager.timekeeper.seconds, manager.transport, list(commands)
+
+    def command():
+        while to_come and transport.now >= 1000.0 + to_come[0]:
+            to_come.pop(0)
+            transport.send("/cmd_vel", get("geometry_msgs/Twist")())
+
+    transport.meanwhile = command
+    manager.run(lambda: transport.now < 1000.0 + until)
     return manager.timekeeper.seconds - before
 
 

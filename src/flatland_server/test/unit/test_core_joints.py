@@ -99,15 +99,9 @@ def test_limits_beyond_a_rotation_count_rotations(hinge):
 
 
 WRONG = [
-    ("limits", (math.nan, 1.0)),
-    ("limits", (0.0, math.inf)),
-    ("limits", (0.5, 0.4)),
-    ("limits", (-1e10, 1.0)),
-    ("motor", (math.nan, 1.0)),
-    ("motor", (math.inf, 1.0)),
-    ("motor", (1.0, -0.1)),
-    ("motor", (1.0, math.nan)),
-    ("motor", (1.0, math.inf)),
+    *(("limits", value) for value in ((math.nan, 1.0), (0.0, math.inf), (0.5, 0.4), (-1e10, 1.0))),
+    *(("motor", value) for value in ((math.nan, 1.0), (math.inf, 1.0))),
+    *(("motor", (1.0, torque)) for torque in (-0.1, math.nan, math.inf)),
 ]
 
 

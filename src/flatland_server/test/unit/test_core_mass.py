@@ -91,14 +91,8 @@ def test_a_body_without_density_may_get_a_mass(world):
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"mass": 0.0}, "a mass must be 1e-12 to 1e12 kg"),
-        ({"mass": -1.0}, "a mass must be"),
-        ({"mass": math.nan}, "a mass must be"),
-        ({"mass": 1e13}, "a mass must be"),
-        ({"inertia": 0.0}, "a body needs a moment of inertia"),
-        ({"inertia": -0.5}, "a body needs a moment of inertia"),
+        ({"mass": 1e13}, "a mass must be 1e-12 to 1e12 kg"),  # more in refusal_test.cpp
         ({"inertia": math.nan}, "a body needs a moment of inertia"),
-        ({"inertia": math.inf}, "a body needs a moment of inertia"),
         ({"local_center": (0.0, math.inf)}, "a position must be finite and within 100 km"),
         ({"inertia": 1e-3, "local_center": (100.0, 0.0)}, "an inertia is too small for the mass"),
     ],

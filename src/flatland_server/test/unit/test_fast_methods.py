@@ -1,7 +1,5 @@
 """Methods of the core that every step calls, which have no conversions by pybind11."""
 
-import inspect
-
 import numpy as np
 import pytest
 
@@ -54,7 +52,3 @@ def test_an_object_without_init_is_refused(drive):
         _core.World.__new__(_core.World).step(0.1)
     with pytest.raises(TypeError, match="doesn't apply to a 'int' object"):
         type(drive).command(3, 1.0, 2.0, 3.0)
-
-
-def test_fast_methods_have_a_signature(drive):
-    assert list(inspect.signature(drive.command).parameters) == ["vx", "vy", "omega"]

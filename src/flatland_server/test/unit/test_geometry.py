@@ -1,13 +1,14 @@
-"""Poses and quaternions, checked against rotation matrices."""
+"""Poses and quaternions, against rotation matrices; trigonometry of arrays."""
 
 import math
 
 import numpy as np
 import pytest
+from array_gaps import watch_gaps
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flatland_server import fill_pose, messages, yaw_of
+from flatland_server import cos_sin, fill_pose, headings, messages, yaw_of
 from flatland_server.geometry import Pose, quaternion, wrap_angle
 
 COORDINATES = st.floats(-100.0, 100.0)
@@ -65,11 +66,31 @@ def test_a_quaternion_rolls_about_x_and_then_turns_about_z(yaw, roll):
         ]
     )
     about_z = matrix(Pose(0.0, 0.0, yaw))
-    about_x = np.array(
-        [
-            [1, 0, 0],
-            [0, math.cos(roll), -math.sin(roll)],
-            [0, math.sin(roll), math.cos(roll)],
-        ]
-    )
+    cos, sin = math.cos(roll), math.sin(roll)
+    about_x = np.array([[1, 0, 0], [0, cos, -sin], [0, sin, cos]])
     assert rotation == pytest.approx(about_z @ about_x, abs=1e-9)
+
+
+# Arrays: the same bits wherever they lie in memory.
+
+
+def test_cosines_and_sines_of_a_column(monkeypatch):
+    poses = np.random.default_rng(1).normal(size=(5, 3))
+    gaps = watch_gaps(monkeypatch)
+
+    cosines, sines = cos_sin(poses[:, 2])
+
+    assert cosines == pytest.approx([math.cos(yaw) for yaw in poses[:, 2]])
+    assert sines == pytest.approx([math.sin(yaw) for yaw in poses[:, 2]])
+    assert gaps == []
+
+
+def test_headings_of_vectors(monkeypatch):
+    vectors = np.array([[[1.0, 0.0], [0.0, 2.0]], [[-1.0, -1.0], [0.0, 0.0]]])
+    gaps = watch_gaps(monkeypatch)
+
+    assert headings(vectors) == pytest.approx(
+        np.array([[0.0, math.pi / 2], [-0.75 * math.pi, 0.0]])
+    )
+    assert headings(np.zeros((0, 2))).shape == (0,)
+    assert gaps == []

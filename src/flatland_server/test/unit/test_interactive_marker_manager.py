@@ -114,13 +114,10 @@ def test_a_drag_is_one_edit(handles):
     for x in (1.0, 2.0):
         handles.send(Feedback.POSE_UPDATE, x)
     handles.send(Feedback.MOUSE_UP, 2.5)
-    handles.server.call("undo")
-    assert handles.x == 0.0
 
-    handles.send(Feedback.MOUSE_DOWN, 0.0)
-    handles.send(Feedback.POSE_UPDATE, 1.0)
-    handles.send(Feedback.MOUSE_UP, 0.0)  # put back
-    assert handles.server.edits.next_texts[0] == ""
+    handles.server.call("undo")
+
+    assert handles.x == 0.0
 
 
 def test_the_full_update_has_the_number_of_the_last_change(handles, updates):
@@ -138,10 +135,8 @@ def test_the_full_update_has_the_number_of_the_last_change(handles, updates):
     assert second.seq_num == first.seq_num + 1
     full = handles.transport.last_latched(f"{TOPIC}/update_full")
     assert full.seq_num == second.seq_num
-    assert {name: each.pose.position.x for name, each in handles.all.items()} == {
-        "a": 6.0,
-        "b": 5.0,
-    }
+    xs = {name: each.pose.position.x for name, each in handles.all.items()}
+    assert xs == {"a": 6.0, "b": 5.0}
 
 
 def test_a_drag_out_of_the_world_leaves_the_model_and_warns_once(handles, caplog):

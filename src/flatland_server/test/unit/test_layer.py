@@ -6,9 +6,6 @@ import pytest
 from PIL import Image
 
 from flatland_server import _core
-from flatland_server.config.yaml_reader import YamlReader
-from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
-from flatland_server.models.layer import LayerConfig
 from flatland_server.simulation.run import Run
 from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.timekeeper import Timekeeper
@@ -35,14 +32,6 @@ def world(*layers: str) -> str:
     return f"properties: {{}}\nlayers:{entries or ' []'}\n"
 
 
-def test_walls_of_a_layer_stand_in_the_physical_world(maps):
-    loaded = maps.load(world("{name: a, map: map.yaml}"))
-
-    ranges, _ = loaded.physics.scan(_core.BeamFan(0.0, 1.0, 1), (0.0, 1.5, 0.0), 5.0)
-
-    assert ranges.tolist() == pytest.approx([1.0])
-
-
 def test_each_name_of_a_layer_is_a_collision_layer(maps):
     loaded = maps.load(world("{name: [a, b], map: wall.yaml}", "{name: c}"))
 
@@ -64,18 +53,12 @@ def test_images_and_grids_enclose_areas_but_lines_do_not(maps):
 
 
 def test_footprints_may_name_a_layer_without_a_map(files):
-    files.write(
-        "two.model.yaml",
-        """
-        bodies:
-          - name: left
-            pose: [-1, 0, 0]
-            footprints: [{type: circle, radius: 0.5, density: 1, layers: [nothing]}]
-          - name: right
-            pose: [1, 0, 0]
-            footprints: [{type: circle, radius: 0.5, density: 1, layers: [nothing]}]
-        """,
+    disc = "{type: circle, radius: 0.5, density: 1, layers: [nothing]}"
+    bodies = ", ".join(
+        f"{{name: {name}, pose: [{x}, 0, 0], footprints: [{disc}]}}"
+        for name, x in (("left", -1), ("right", 1))
     )
+    files.write("two.model.yaml", f"bodies: [{bodies}]")
     loaded = files.load(
         world("{name: nothing}") + "models:\n  - {name: two, model: two.model.yaml}"
     )
@@ -87,21 +70,6 @@ def test_footprints_may_name_a_layer_without_a_map(files):
     assert len(loaded.layers[0].segments) == 0
     assert right.pose.x > 1.2
     assert left.pose.x < right.pose.x - 0.98
-
-
-# Reading
-
-
-def test_reading_a_layer_names_its_map_and_leaves_it_unread(files):
-    files.write("map.yaml", "[this is no map file")
-    files.write("world.yaml", world("{name: [a, b], map: map.yaml}", "{name: c}"))
-    reader = YamlReader.from_file(files.folder / "world.yaml")
-    registry = CollisionFilterRegistry()
-
-    first, second = reader.get_sections("layers", lambda entry: LayerConfig.read(entry, registry))
-
-    assert (first.names, first.bits, first.map) == (("a", "b"), 0b11, files.folder / "map.yaml")
-    assert (second.names, second.bits, second.map) == (("c",), 0b100, None)
 
 
 def test_a_map_of_two_layers_is_read_once(maps):

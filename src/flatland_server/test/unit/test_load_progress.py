@@ -1,17 +1,38 @@
-"""The progress of loading a large world, in the log."""
+"""Log messages about what takes long: loading a large world, and other blocks."""
 
 import logging
+import threading
 
 import numpy as np
 import pytest
 
 from flatland_server import _core
+from flatland_server.maps import map_reader
+from flatland_server.maps.map_reader import log_if_slow
 from flatland_server.simulation.load_progress import LoadProgress
 
 
 def percents(caplog):
     """The percents that were logged."""
     return [record.percent for record in caplog.records]
+
+
+def test_a_slow_block_is_logged_while_it_runs(monkeypatch):
+    logged = threading.Event()
+    monkeypatch.setattr(map_reader, "DELAY", 0.01)
+    monkeypatch.setattr(map_reader.logger, "info", lambda message: logged.set())
+
+    with log_if_slow("reading walls"):
+        assert logged.wait(10.0)
+
+
+def test_a_quick_block_is_not_logged(caplog):
+    caplog.set_level("INFO")
+
+    with log_if_slow("reading walls"):
+        pass
+
+    assert not caplog.records
 
 
 def test_the_core_tells_how_many_walls_it_has_added():

@@ -43,40 +43,30 @@ def walls(path: Path, digits: int = 9) -> set:
     return {tuple(sorted([(x1, y1), (x2, y2)])) for x1, y1, x2, y2 in rows.tolist()}
 
 
-def test_resolution_scales_an_image(maps):
-    path = maps.write("map.yaml", image_map(resolution=0.5))
+@pytest.mark.parametrize(
+    ("options", "place"),
+    [
+        ({"resolution": 0.5}, lambda x, y: (x / 2, y / 2)),
+        ({"origin": "[-10, 20, 0]"}, lambda x, y: (x - 10, y + 20)),
+        # A quarter turn counter-clockwise takes (x, y) to (-y, x).
+        ({"origin": f"[5, 7, {math.pi / 2}]"}, lambda x, y: (5 - y, 7 + x)),
+    ],
+)
+def test_an_image_is_scaled_and_its_corner_lies_at_the_origin(maps, options, place):
+    path = maps.write("map.yaml", image_map(**options))
 
-    assert walls(path) == {
-        tuple(sorted(((x1 / 2, y1 / 2), (x2 / 2, y2 / 2)))) for (x1, y1), (x2, y2) in ONE_PIXEL
-    }
-
-
-def test_the_origin_is_where_the_bottom_left_corner_lies(maps):
-    path = maps.write("map.yaml", image_map(origin="[-10, 20, 0]"))
-
-    assert walls(path) == {
-        tuple(sorted(((x1 - 10, y1 + 20), (x2 - 10, y2 + 20)))) for (x1, y1), (x2, y2) in ONE_PIXEL
-    }
-
-
-def test_the_origins_yaw_turns_the_map_about_its_corner(maps):
-    # A quarter turn counter-clockwise takes (x, y) to (-y, x).
-    path = maps.write("map.yaml", image_map(origin=f"[5, 7, {math.pi / 2}]"))
-
-    assert walls(path) == {
-        tuple(sorted(((5 - y1, 7 + x1), (5 - y2, 7 + x2)))) for (x1, y1), (x2, y2) in ONE_PIXEL
-    }
+    assert walls(path) == {tuple(sorted((place(*a), place(*b)))) for a, b in ONE_PIXEL}
 
 
-def test_line_segments_may_have_windows_line_ends_and_a_bom(files):
-    (files.folder / "wall.dat").write_bytes(b"\xef\xbb\xbf0 0 1 1\r\n2 3 -1 2\r\n")
-    path = files.write("wall.yaml", segment_map())
-
-    assert MapConfig.from_file(path).walls().tolist() == [[0, 0, 1, 1], [2, 3, -1, 2]]
-
-
-def test_comments_in_a_file_of_line_segments_are_skipped(files):
-    files.write("wall.dat", "# file: wall.dat\n0 0 1 1  # a wall\n  # indented\n2 3 -1 2#\n")
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"\xef\xbb\xbf0 0 1 1\r\n2 3 -1 2\r\n",  # of Windows
+        b"# file: wall.dat\n0 0 1 1  # a wall\n  # indented\n2 3 -1 2#\n",
+    ],
+)
+def test_line_segments_may_have_windows_line_ends_and_comments(files, data):
+    (files.folder / "wall.dat").write_bytes(data)
     path = files.write("wall.yaml", segment_map())
 
     assert MapConfig.from_file(path).walls().tolist() == [[0, 0, 1, 1], [2, 3, -1, 2]]

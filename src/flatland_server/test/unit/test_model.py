@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from flatland_server.exceptions import FlatlandError, ModelError
+from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
 
 DISC = "footprints: [{type: circle, radius: 0.1, density: 1}]"
@@ -121,12 +121,6 @@ def test_parts_that_are_not_enabled_are_left_out(files):
     assert (world.physics.body_count, world.physics.joint_count) == (1, 0)
 
 
-def test_a_name_may_be_used_again_if_the_first_is_not_enabled(files):
-    world = load(files, model(BASE.replace("{", "{enabled: false, ", 1), BASE))
-
-    assert list(world.models["robot"].bodies) == ["base"]
-
-
 def test_damping_slows_a_body_down_as_configured(files):
     text = model(BASE.replace("name: base", "name: base, linear_damping: 2, angular_damping: 3"))
     world = load(files, text)
@@ -137,13 +131,3 @@ def test_damping_slows_a_body_down_as_configured(files):
 
     # Box2D: v <- v / (1 + damping * dt) at each step
     assert body.velocity == pytest.approx((1.01**-200, 0.0, 1.015**-200), rel=1e-3, abs=1e-6)
-
-
-def test_the_error_for_an_unknown_body_names_the_known_ones(files):
-    robot = load(files, model(BASE, WHEEL)).models["robot"]
-
-    with pytest.raises(ModelError) as caught:
-        robot.get_body("whele")
-
-    message = 'the model has no body "whele" (did you mean "wheel"?); it has: base, wheel'
-    assert str(caught.value) == message

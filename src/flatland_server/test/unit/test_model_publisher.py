@@ -1,6 +1,7 @@
 """The server's messages about its models."""
 
 import math
+from types import SimpleNamespace
 
 import pytest
 
@@ -50,23 +51,14 @@ class Published(Tap):
 def published(files):
     """The published messages, the simulation, and the publisher of its models."""
     files.write("cart.yaml", CART)
-    simulation = WorldSimulation(files, WORLD)
+    world, clock = files.load(WORLD), SimpleNamespace(nanoseconds=0)
+    simulation = SimpleNamespace(world=world, transport=world.transport, timekeeper=clock)
     tap = Published()
     tap.subscribed.add(LIST)
     simulation.transport.set_subscribed_topics(())
     simulation.transport.open_tap(tap)
     yield tap, simulation, ModelPublisher(simulation, 1e9)
     simulation.world.close()
-
-
-class WorldSimulation:
-    """The part of a simulation manager that the publisher uses."""
-
-    def __init__(self, files, world):
-        self.world = files.load(world)
-        self.transport = self.world.transport
-        self.timekeeper = self
-        self.nanoseconds = 0
 
 
 def test_a_model_is_described(published, files):
@@ -114,7 +106,7 @@ def test_model_states_contain_only_models_that_moved(published):
 
     publisher.update()
     assert len(states) == 1  # nothing has moved, and no time has passed
-    simulation.nanoseconds = 5_000_000
+    simulation.timekeeper.nanoseconds = 5_000_000
     publisher.update()
     assert states[1].models == []
     assert states[1].stamp.to_sec() == 0.005

@@ -20,6 +20,7 @@ from flatland_server.ros.rospy_patches.nonblocking_connection import (
 )
 
 LIMIT = 10.0  # s
+MESSAGES = [bytes([i]) * 9000 for i in range(200)]
 
 
 class Transport:
@@ -87,27 +88,24 @@ def test_the_publishing_thread_sends_to_a_reading_subscriber(subscriber):
 
 def test_a_stalled_subscriber_loses_whole_messages(subscriber):
     theirs, _, connection = subscriber
-    messages = [bytes([i]) * 9000 for i in range(200)]
 
     begin = time.monotonic()
-    for message in messages:
+    for message in MESSAGES:
         connection.write_data(message)
     assert time.monotonic() - begin < LIMIT
 
-    numbers = receive_numbers(theirs, messages[-1])
-    assert len(numbers) < len(messages)
+    assert len(receive_numbers(theirs, MESSAGES[-1])) < len(MESSAGES)
 
 
 def test_messages_that_have_not_waited_for_long_are_not_lost(subscriber, monkeypatch):
     theirs, transport, _ = subscriber
     monkeypatch.setattr(nonblocking_connection, "PATIENCE", 1000.0)
     connection = NonblockingConnection(transport, 3)
-    messages = [bytes([i]) * 9000 for i in range(200)]
 
-    for message in messages:
+    for message in MESSAGES:
         connection.write_data(message)
 
-    assert receive_numbers(theirs, messages[-1]) == list(range(200))
+    assert receive_numbers(theirs, MESSAGES[-1]) == list(range(200))
 
 
 def test_a_message_larger_than_the_socket_arrives_whole(subscriber):
@@ -183,34 +181,23 @@ def test_a_message_that_may_not_wait_comes_after_those_that_do(subscriber, outbo
     assert waiting(theirs) == b""
 
 
-def test_messages_are_due_after_a_time_from_the_first_one(subscriber, monkeypatch):
+@pytest.mark.parametrize(("hold_time", "count"), [(0.0, 1), (1000.0, MOST)])
+def test_messages_are_due_after_a_time_or_if_there_are_many(
+    subscriber, monkeypatch, hold_time, count
+):
     _, _, connection = subscriber
-    outbox = opened(HeldMessages(0.0), monkeypatch)
-    assert not outbox.is_due()
-
-    connection.write_data(b"first")
-    assert outbox.is_due()
-
-    outbox.send()
-    assert not outbox.is_due()
-
-
-def test_messages_are_due_if_a_connection_has_many(subscriber, outbox):
-    _, _, connection = subscriber
-    for _ in range(MOST - 1):
+    outbox = opened(HeldMessages(hold_time), monkeypatch)
+    for _ in range(count):
+        assert not outbox.is_due()
         connection.write_data(b"message")
-    assert not outbox.is_due()
-
-    connection.write_data(b"message")
     assert outbox.is_due()
-
     outbox.send()
     assert not outbox.is_due()
 
 
 def test_a_full_queue_loses_whole_messages(subscriber, outbox):
     theirs, _, connection = subscriber
-    messages = [bytes([i]) * 9000 for i in range(100)]
+    messages = MESSAGES[:100]
 
     for begin in range(0, 100, 10):
         for message in messages[begin : begin + 10]:

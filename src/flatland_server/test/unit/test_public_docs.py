@@ -53,6 +53,7 @@ def raises(function):
 
 @pytest.mark.parametrize("value", PUBLIC)
 def test_parameters_and_errors_of_a_public_name_are_described(value):
+    assert inspect.getdoc(value) or "_core" in value.__module__  # described in _core.pyi
     for name, function in functions_of(value):
         doc = inspect.getdoc(function) or ""
         if not doc.startswith("Deprecated"):

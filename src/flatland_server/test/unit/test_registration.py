@@ -1,13 +1,13 @@
 """Registration of topics and services, with a fake master that may fail."""
 
 import http.client
-import threading
 from types import SimpleNamespace
 from typing import Any, Dict, List, Tuple
 from xml.parsers.expat import ExpatError
 
 import pytest
 from rospy.impl.registration import Registration
+from waiting import wait_until
 
 from flatland_server.ros.rospy_patches import registration as module
 from flatland_server.ros.rospy_patches.registration import Registrar
@@ -79,18 +79,17 @@ def registrar(master, updates):
     registrar.stop()
 
 
+def register(registrar: Registrar, what: Tuple[str, str, str]) -> None:
+    registrar.reg_added(*what)
+    assert registrar.wait_until_done(LIMIT)
+
+
 def names(master: Master) -> List[str]:
     return [name for _, name in master.known]
 
 
 def wait_for(condition) -> None:
-    """Waits until a condition holds, while the registrar works on."""
-    ticks = threading.Event()
-    for _ in range(int(LIMIT / 0.005)):
-        if condition():
-            return
-        ticks.wait(0.005)
-    raise AssertionError("it does not come to hold")
+    wait_until(condition, "the registrar", interval=0.005)
 
 
 def test_a_batch_is_registered_in_one_call(master, registrar, updates):
@@ -105,8 +104,7 @@ def test_a_batch_is_registered_in_one_call(master, registrar, updates):
 
 
 def test_closed_topics_are_unregistered(master, registrar):
-    registrar.reg_added(*ODOM)
-    assert registrar.wait_until_done(LIMIT)
+    register(registrar, ODOM)
     registrar.reg_removed(*ODOM)
 
     assert registrar.wait_until_done(LIMIT)
@@ -123,8 +121,7 @@ def test_topics_closed_in_the_same_batch_are_never_registered(master, registrar)
 
 
 def test_a_topic_reopened_in_a_batch_gets_its_publishers(master, registrar, updates):
-    registrar.reg_added(*CMD_VEL)
-    assert registrar.wait_until_done(LIMIT)
+    register(registrar, CMD_VEL)
     wait_for(lambda: len(updates) == 1)
     with registrar.batch():
         registrar.reg_removed(*CMD_VEL)
@@ -134,8 +131,7 @@ def test_a_topic_reopened_in_a_batch_gets_its_publishers(master, registrar, upda
 
 
 def test_a_subscription_opened_again_and_closed_is_unregistered(master, registrar):
-    registrar.reg_added(*CMD_VEL)
-    assert registrar.wait_until_done(LIMIT)
+    register(registrar, CMD_VEL)
     with registrar.batch():
         registrar.reg_removed(*CMD_VEL)
         registrar.reg_added(*CMD_VEL)
@@ -184,8 +180,7 @@ def test_an_answer_that_breaks_off_is_asked_for_again(master, registrar, monkeyp
 
 
 def test_everything_is_registered_again_with_a_restarted_master(master, registrar, caplog):
-    registrar.reg_added(*ODOM)
-    assert registrar.wait_until_done(LIMIT)
+    register(registrar, ODOM)
     master.known.clear()
 
     wait_for(lambda: sorted(names(master)) == sorted([LOGGERS[0], "/odom"]))
@@ -193,8 +188,7 @@ def test_everything_is_registered_again_with_a_restarted_master(master, registra
 
 
 def test_a_master_may_restart_during_a_registration(master, registrar):
-    registrar.reg_added(*ODOM)
-    assert registrar.wait_until_done(LIMIT)
+    register(registrar, ODOM)
     master.is_silent = True
     registrar.reg_added(*CMD_VEL)
     assert not registrar.wait_until_done(LIMIT)
@@ -206,9 +200,7 @@ def test_a_master_may_restart_during_a_registration(master, registrar):
 
 def test_a_refusal_is_reported_once(master, registrar, caplog):
     master.refuses.append("/odom")
-    registrar.reg_added(*ODOM)
-
-    assert registrar.wait_until_done(LIMIT)
+    register(registrar, ODOM)
     wait_for(lambda: "the master refuses /odom: no" in caplog.text)
     assert len(master.calls) == 1
 
@@ -227,11 +219,12 @@ def test_closed_topics_are_unregistered_while_rospy_shuts_down(master, monkeypat
     assert names(master) == [LOGGERS[0]]
 
 
-def test_after_its_end_the_master_is_not_called(master, registrar):
+def test_after_its_end_the_master_is_not_called(master, registrar, monkeypatch):
     registrar.reg_added(*ODOM)
     registrar.stop()
     calls = len(master.calls)
     assert "/odom" in names(master)
+    monkeypatch.setattr(module, "_END_LIMIT", 0.0)  # it ends once more after the test
 
     registrar.reg_added(*CMD_VEL)
     master.known.clear()

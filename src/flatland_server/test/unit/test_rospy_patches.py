@@ -22,7 +22,7 @@ from flatland_server.timekeeper import Timekeeper
 ROS = Path(rospy_patches.__file__).resolve().parents[1]
 
 REQUIREMENTS = [
-    (name, requirement)
+    pytest.param(name, requirement, id=f"{name}-{requirement.path}")
     for name in PATCHES
     for requirement in importlib.import_module(f"{rospy_patches.__name__}.{name}").REQUIREMENTS
 ]
@@ -52,11 +52,6 @@ def patches_in_use(calls: RospyCalls) -> List[str]:
     ]
 
 
-def ids() -> List[str]:
-    """A name for each requirement."""
-    return [f"{name}-{requirement.path}" for name, requirement in REQUIREMENTS]
-
-
 def refused(text: str) -> List[str]:
     """The patches that a log says are switched off."""
     return [name for name in PATCHES if f"{name} (" in text]
@@ -71,7 +66,7 @@ def test_all_patches_fit_this_rospy(unpatched_rospy, caplog):
     assert not hasattr(rospy.topics.Poller(), "poller")  # rospy's own, with a file descriptor
 
 
-@pytest.mark.parametrize(("name", "requirement"), REQUIREMENTS, ids=ids())
+@pytest.mark.parametrize(("name", "requirement"), REQUIREMENTS)
 def test_a_patch_is_left_out_if_an_attribute_is_missing(
     name, requirement, unpatched_rospy, monkeypatch, caplog
 ):
@@ -95,8 +90,7 @@ def test_a_patch_is_left_out_if_an_attribute_is_missing(
 
 @pytest.mark.parametrize(
     ("name", "requirement"),
-    [(n, r) for n, r in REQUIREMENTS if r.parameters is not None],
-    ids=[i for i, (_, r) in zip(ids(), REQUIREMENTS) if r.parameters is not None],
+    [each for each in REQUIREMENTS if each.values[1].parameters is not None],
 )
 def test_a_patch_is_left_out_if_a_signature_differs(
     name, requirement, unpatched_rospy, monkeypatch, caplog

@@ -136,10 +136,15 @@ def test_plugins_without_work_are_not_called(load):
     assert run(manager, 20) == []
 
 
-def test_the_update_timer_goes_on_while_there_is_no_work(load):
+@pytest.mark.parametrize("is_set_again", [False, True])
+def test_the_update_timer_goes_on_while_there_is_no_work(load, is_set_again):
     manager, transport = load("type: Speaker, name: slow, rate: 50", subscribed_topics=())
+
     run(manager, 7)
     transport.set_subscribed_topics({"/speech"})
+    speaker = plugins_of(manager)["slow"]
+    if is_set_again:
+        speaker.update_timer = speaker.update_timer
 
     assert run(manager, 6) == [(8, "slow"), (12, "slow")]
 
@@ -197,16 +202,6 @@ def test_a_plugin_that_has_asked_its_timer_itself_is_due_later(load):
     assert plugins_of(manager)["slow"].update_timer.check_update(manager.timekeeper)
 
     assert run(manager, 5) == [(0, "slow"), (8, "slow")]
-
-
-def test_a_timer_that_is_set_again_goes_on(load):
-    manager, transport = load("type: Speaker, name: slow, rate: 50", subscribed_topics=())
-    run(manager, 7)
-    speaker = plugins_of(manager)["slow"]
-    transport.set_subscribed_topics({"/speech"})
-    speaker.update_timer = speaker.update_timer
-
-    assert run(manager, 6) == [(8, "slow"), (12, "slow")]
 
 
 def test_a_plugin_may_change_its_update_rate(load):

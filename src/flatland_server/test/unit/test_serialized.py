@@ -1,5 +1,8 @@
 """Markers and transforms serialized by us, deserialized by ROS's own code."""
 
+from pathlib import Path
+
+import numpy as np
 import pytest
 from markers_of_worlds import markers_of_a_world
 from std_msgs.msg import ColorRGBA
@@ -9,8 +12,15 @@ from without_ros import run_without_ros
 
 from flatland_server import _core
 from flatland_server.geometry import Pose, Transform, quaternion
-from flatland_server.messages.serialized_markers import MovingMarkers, array_of, serialized
+from flatland_server.messages.serialized_markers import (
+    LazyMarkerArray,
+    MovingMarkers,
+    array_of,
+    serialized,
+)
+from flatland_server.messages.wall_markers import flat_walls, upright_walls
 from flatland_server.messages.wire_form import serialized as sent
+from flatland_server.models.layer import LayerConfig
 from flatland_server.transport.serialized_transforms import SerializedFrames, TransformQueue
 
 
@@ -109,14 +119,6 @@ def test_poses_of_another_number_of_bodies_are_refused():
         frames.send(7, _core.RelativePoses(None, [body]))
 
 
-def test_fields_beyond_the_end_of_a_message_are_refused():
-    poses = _core.RelativePoses(None, [_core.World().add_body("dynamic", (0, 0, 0))])
-
-    for fields in ((0, 13, None), (0, None, 30), (60, None, None)):
-        with pytest.raises(IndexError, match="bytes of a message or more, found 68"):
-            _core.BodyMessage(bytes(68), poses, [fields])
-
-
 def test_a_message_of_a_body_that_is_gone_is_refused():
     body = _core.World().add_body("dynamic", (0, 0, 0))
     message = _core.BodyMessage(bytes(68), _core.RelativePoses(None, [body]), [(0, 12, None)])
@@ -139,3 +141,71 @@ def test_without_ros_markers_have_the_same_bytes(tmp_path):
 
     assert data == markers_of_a_world(tmp_path)
     assert len(MarkerArray().deserialize(bytes.fromhex(data)).markers) == 7
+
+
+# The walls of a layer
+
+COLOR = (0.25, 0.5, 0.75, 1.0)
+SEGMENTS = np.array([[0.0, 0.0, 4.0, 0.0], [4.0, 0.0, 4.0, 3.0]])
+
+
+def config(min_z=0.0, max_z=1.0):
+    return LayerConfig(("room", "hall"), 3, COLOR, min_z, max_z, Path("map.yaml"))
+
+
+def received(message):
+    return MarkerArray().deserialize(sent(message)).markers
+
+
+def corners(marker):
+    return [(p.x, p.y, p.z) for p in marker.points]
+
+
+def test_flat_walls_are_lines_on_the_ground():
+    [marker] = received(array_of([flat_walls(config(0.5, 2.0), SEGMENTS)]))
+
+    assert (marker.type, marker.ns, marker.header.frame_id) == (Marker.LINE_LIST, "room", "map")
+    assert (marker.color.r, marker.color.g, marker.color.b, marker.color.a) == COLOR
+    assert marker.pose.orientation.w == 1.0
+    assert corners(marker) == [(0, 0, 0), (4, 0, 0), (4, 0, 0), (4, 3, 0)]
+
+
+def test_upright_walls_fill_the_height_above_each_segment():
+    [marker] = received(array_of([upright_walls(config(0.5, 2.0), SEGMENTS)]))
+
+    assert (marker.type, marker.ns, marker.header.frame_id) == (Marker.TRIANGLE_LIST, "room", "map")
+    triangles = np.reshape(corners(marker), (-1, 3, 3))
+    sides = triangles[:, 1:] - triangles[:, :1]
+    areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
+    assert areas == pytest.approx([3.0, 3.0, 2.25, 2.25])  # halves of 4 x 1.5 and 3 x 1.5
+    for (x1, y1, x2, y2), pair in zip(SEGMENTS, triangles.reshape(-1, 6, 3)):
+        expected = {(x, y, z) for x, y in ((x1, y1), (x2, y2)) for z in (0.5, 2.0)}
+        assert set(map(tuple, pair)) == expected
+
+
+@pytest.mark.parametrize("max_z", [0.5, 0.2])
+def test_walls_without_a_height_are_lines_at_min_z(max_z):
+    [marker] = received(array_of([upright_walls(config(0.5, max_z), SEGMENTS)]))
+
+    assert marker.type == Marker.LINE_LIST
+    assert {z for _, _, z in corners(marker)} == {0.5}
+
+
+@pytest.mark.parametrize("walls", [flat_walls, upright_walls])
+def test_no_walls_are_no_marker(walls):
+    """Rviz reports a marker without points as an error."""
+    assert received(array_of([walls(config(), np.empty((0, 4)))])) == []
+
+
+def test_a_lazy_array_is_made_when_it_is_sent():
+    calls = []
+
+    def make():
+        calls.append(1)
+        return array_of([flat_walls(config(), SEGMENTS)])
+
+    message = LazyMarkerArray(make)
+
+    assert calls == []
+    assert [marker.ns for marker in received(message)] == ["room"]
+    assert calls == [1]

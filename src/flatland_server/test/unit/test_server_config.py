@@ -1,14 +1,14 @@
 """The node's parameters: their defaults, and what is refused."""
 
-import math
+import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import pytest
 import rospy
+import yaml
 from rospkg import RosPack
 
 from flatland_server.exceptions import FlatlandError
-from flatland_server.hub.server_config import ServerConfig
 from flatland_server.ros.server_parameters import read_config
 
 
@@ -18,58 +18,41 @@ def read(monkeypatch):
     world's path, and others by their absolute names.
     """
 
+    def full(name):
+        return name.replace("~", "/robots/server/")
+
     def read_with(others=None, **params):
-        private = {
-            f"/robots/server/{k}": v for k, v in {"world_path": "/world.yaml", **params}.items()
-        }
+        private = {full(f"~{k}"): v for k, v in {"world_path": "/world.yaml", **params}.items()}
         params = {k: v for k, v in {**private, **(others or {})}.items() if v is not None}
 
         def search(name):  # as the ROS master does
             namespaces = ("/robots/server/", "/robots/", "/")
             return next((ns + name for ns in namespaces if ns + name in params), None)
 
-        monkeypatch.setattr(
-            rospy,
-            "get_param",
-            lambda name, default: params.get(name.replace("~", "/robots/server/"), default),
-        )
-        monkeypatch.setattr(rospy, "search_param", search)
-        monkeypatch.setattr(
-            rospy, "resolve_name", lambda name: name.replace("~", "/robots/server/")
-        )
-        monkeypatch.setattr(rospy, "get_param_names", lambda: list(params))
-        monkeypatch.setattr(
-            rospy, "delete_param", lambda name: params.pop(name.replace("~", "/robots/server/"))
-        )
+        for name, fake in (
+            ("get_param", lambda name, default: params.get(full(name), default)),
+            ("search_param", search),
+            ("resolve_name", full),
+            ("get_param_names", lambda: list(params)),
+            ("delete_param", lambda name: params.pop(full(name))),
+        ):
+            monkeypatch.setattr(rospy, name, fake)
         return read_config().server
 
     return read_with
 
 
 def test_the_defaults_are_those_of_the_launch_file(read):
-    assert read() == ServerConfig(
-        world_path=Path("/world.yaml"),
-        update_rate=200.0,
-        step_size=0.005,
-        control_period=None,
-        train_mode=False,
-        show_viz=True,
-        viz_pub_rate=30.0,
-        seed=0,
-        simplify_map=0,
-        no_return="inf",
-        static_tf=False,
-        tf_by_namespace=False,
-        wall_clock_stamps=False,
-        realtime_priority=True,
-        map_to_odom=False,
-        map=False,
-        odom_topic="odometry/filtered",
-        initial_pose="",
-        history=True,
-        command_age=math.inf,
-        models=(),
-    )
+    launch = ElementTree.parse(Path(RosPack().get_path("flatland_server"), "launch/server.launch"))
+    defaults = {
+        each.get("name"): yaml.safe_load(each.get("default"))
+        for each in launch.iter("arg")
+        if not each.get("default", "$").startswith("$")
+    }
+    del defaults["use_rviz"]  # is for the launch file alone
+
+    assert len(defaults) > 15
+    assert read(**defaults) == read()
 
 
 def test_a_history_is_kept_with_the_window_by_default(read):
@@ -176,14 +159,11 @@ def test_a_flag_may_be_0_or_1_as_for_roslaunch(read, value):
             "world_path:=PATH for roslaunch, _world_path:=PATH for rosrun",
         ),
         ("update_rate", 0, "~update_rate: expected a number above 0, found 0"),
-        ("update_rate", "fast", "~update_rate: expected a number above 0, found fast"),
         ("update_rate", True, "~update_rate: expected a number above 0, found True"),
-        ("step_size", -0.005, "~step_size: expected a number above 0, found -0.005"),
         ("step_size", "inf", "~step_size: expected a number above 0, found inf"),
         ("viz_pub_rate", "nan", "~viz_pub_rate: expected a number above 0, found nan"),
         ("viz_pub_rate", [30], "~viz_pub_rate: expected a number above 0, found [30]"),
         ("seed", -1, "~seed: expected a whole number of 0 or more, found -1"),
-        ("seed", 0.5, "~seed: expected a whole number of 0 or more, found 0.5"),
         ("seed", True, "~seed: expected a whole number of 0 or more, found True"),
         ("simplify_map", 3, "~simplify_map: expected 0, 1 or 2, found 3"),
         ("show_viz", "yes", "~show_viz: expected true or false, found yes"),
@@ -193,7 +173,6 @@ def test_a_flag_may_be_0_or_1_as_for_roslaunch(read, value):
         ("models", "package://", '~models: expected package://name/path, found "package://"'),
         ("world_path", "package://x", 'expected package://name/path, found "package://x"'),
         ("show_viz", 1.0, "~show_viz: expected true or false, found 1.0"),
-        ("realtime_priority", 2, "~realtime_priority: expected true or false, found 2"),
     ],
 )
 def test_a_wrong_parameter_is_named(read, name, value, message):

@@ -1,61 +1,34 @@
 """Steps during a pause, and the messages that they wait for; on a simulated clock."""
 
+import math
+
 import pytest
+from simulated_clock import WaitingTransport, manager_on, steps
 
 from flatland_server.exceptions import FlatlandError
-from flatland_server.simulation.simulation_manager import SimulationManager
-from flatland_server.simulation.world import World
-from flatland_server.simulation.world_config import WorldConfig
-from flatland_server.timekeeper import Timekeeper
-from flatland_server.transport.local_transport import LocalTransport
-
-
-class WaitingTransport(LocalTransport):
-    """Waits on the simulated clock; `to_come` are the topics of messages that come at a round."""
-
-    def __init__(self):
-        super().__init__()
-        self.now = 1000.0
-        self.round = 0
-        self.to_come = {}
-
-        self.calls = []
-
-    def release(self):
-        self.calls.append("release")
-
-    def process(self, timeout=0.0):
-        self.calls.append("wait" if timeout > 0.0 else "no wait")
-        self.now += timeout
-        self.round += 1
-        for topic in self.to_come.get(self.round, ()):
-            self.send(topic, "go")
-        super().process(timeout)
 
 
 @pytest.fixture
 def transport():
-    return WaitingTransport()
+    """Has a subscription of /a."""
+    transport = WaitingTransport()
+    transport.subscribe("/a", str, lambda _: None)
+    return transport
 
 
 @pytest.fixture
 def manager(files, transport):
-    """A paused simulation of an empty world with steps of 5 ms."""
-    path = files.write("world.yaml", "properties: {}\nlayers: []\n")
-    world = World(WorldConfig.from_file(path), transport)
-    manager = SimulationManager(world, Timekeeper(0.005), clock=lambda: transport.now)
+    """A paused simulation."""
+    manager = manager_on(transport, files)
     manager.pause()
     return manager
 
 
-def steps(manager):
-    return manager.timekeeper.nanoseconds // 5_000_000
-
-
 def run(manager, rounds):
     """Runs the loop for some rounds."""
-    end = manager.world.transport.round + rounds
-    manager.run(lambda: manager.world.transport.round < end)
+    waits = manager.transport.waits
+    end = len(waits) + rounds
+    manager.run(lambda: len(waits) < end)
 
 
 def test_requested_steps_are_made_at_once_and_reported(manager, transport):
@@ -76,38 +49,29 @@ def test_requested_steps_are_made_at_once_and_reported(manager, transport):
 
 
 def test_messages_of_requested_steps_are_sent_before_the_report(manager, transport):
-    manager.after_step.append(lambda: transport.calls.append("step"))
+    calls = []
+    transport.release = lambda: calls.append("release")
+    transport.meanwhile = lambda: calls.append("wait" if transport.waits[-1] else "no wait")
+    manager.after_step.append(lambda: calls.append("step"))
     done = manager.request_steps(3)
-    done.add_done_callback(lambda _: transport.calls.append("report"))
+    done.add_done_callback(lambda _: calls.append("report"))
 
     run(manager, 10)
 
-    steps = ["no wait", "step"] * 3
-    assert transport.calls[:8] == [*steps, "release", "report"]
-    assert "no wait" not in transport.calls[8:]
+    assert calls[:8] == [*["no wait", "step"] * 3, "release", "report"]
+    assert "no wait" not in calls[8:]
 
 
-def test_each_request_makes_its_steps(manager):
-    for count in (1, 2, 3):
-        done = manager.request_steps(count)
-        run(manager, 5)
-        assert done.done()
-    assert steps(manager) == 6
-
-
-@pytest.mark.parametrize("count", [0, -1])
-def test_a_count_below_one_is_refused(manager, count):
-    with pytest.raises(ValueError, match=f"expected 1 step or more, found {count}"):
-        manager.request_steps(count)
-    with pytest.raises(ValueError, match=f"a whole number of 1 or more, found {count}"):
-        manager.step(count)
+def test_a_wrong_count_or_timeout_is_refused(manager):
+    for count in (0, -1):
+        with pytest.raises(ValueError, match=f"expected 1 step or more, found {count}"):
+            manager.request_steps(count)
+        with pytest.raises(ValueError, match=f"a whole number of 1 or more, found {count}"):
+            manager.step(count)
+    for timeout in (0.0, -1.0, math.nan):
+        with pytest.raises(ValueError, match="expected a timeout above 0 s, found "):
+            manager.request_steps(1, timeout=timeout)
     manager.request_steps(1)  # the refused one is not pending
-
-
-@pytest.mark.parametrize("timeout", [0.0, -1.0, float("nan")])
-def test_a_timeout_that_is_not_above_zero_is_refused(manager, timeout):
-    with pytest.raises(ValueError, match="expected a timeout above 0 s, found "):
-        manager.request_steps(1, timeout=timeout)
 
 
 def test_steps_are_refused_while_the_simulation_runs(manager):
@@ -127,32 +91,28 @@ def test_a_second_request_is_refused_until_the_first_is_done(manager):
             refusals.append(True)
 
     manager.after_step.append(request_again)
-    done = manager.request_steps(3)
-
-    run(manager, 10)
-
+    for total in (3, 5):
+        done = manager.request_steps(total - steps(manager))
+        run(manager, 10)
+        assert (done.done(), steps(manager)) == (True, total)
     assert refusals
-    assert done.done()
-    assert steps(manager) == 3
 
 
 def test_steps_are_made_once_the_messages_have_come(manager, transport):
-    transport.subscribe("/a", str, lambda _: None)
+    to_come = {3: "/a", 7: "/b"}  # by round
     transport.subscribe("/b", str, lambda _: None)
-    transport.to_come = {3: ["/a"], 7: ["/b"]}
-    counts = []
-    manager.on_tick.append(lambda: counts.append((transport.round, steps(manager))))
+    transport.meanwhile = lambda: transport.send(to_come.get(len(transport.waits), "/c"), "go")
+    counts = {}
+    manager.on_tick.append(lambda: counts.update({len(transport.waits): steps(manager)}))
     done = manager.request_steps(2, ["/a", "/b"])
 
     run(manager, 12)
 
-    assert dict(counts)[6] == 0
-    assert dict(counts)[8] == 2
+    assert (counts[6], counts[8]) == (0, 2)
     assert done.result(0) == 10_000_000  # ns
 
 
 def test_messages_since_the_last_step_count_for_a_request(manager, transport):
-    transport.subscribe("/a", str, lambda _: None)
     transport.send("/a", "early")
     run(manager, 1)
     assert manager.request_steps(1, ["/a"])
@@ -168,7 +128,6 @@ def test_messages_since_the_last_step_count_for_a_request(manager, transport):
 
 
 def test_a_pause_ends_a_request_that_waits_for_ever(manager, transport):
-    transport.subscribe("/a", str, lambda _: None)
     done = manager.request_steps(1, ["/a"], timeout=float("inf"))
     manager.on_tick.append(manager.pause)
 
@@ -188,23 +147,22 @@ def test_a_topic_without_a_subscription_is_refused(manager, transport):
 
 
 def test_all_subscriptions_of_a_topic_have_to_get_a_message(transport):
-    first, second = transport.arrivals.open("/a"), transport.arrivals.open("/a")
+    first, second = transport.arrivals.open("/b"), transport.arrivals.open("/b")
 
     first.note()
-    assert transport.arrivals.has_received("/a") is False
+    assert transport.arrivals.has_received("/b") is False
     second.note()
-    assert transport.arrivals.has_received("/a") is True
+    assert transport.arrivals.has_received("/b") is True
     transport.flush()
-    assert transport.arrivals.has_received("/a") is False
+    assert transport.arrivals.has_received("/b") is False
     first.note()
     transport.arrivals.close(second)
-    assert transport.arrivals.has_received("/a") is True
+    assert transport.arrivals.has_received("/b") is True
     transport.arrivals.close(first)
-    assert transport.arrivals.has_received("/a") is None
+    assert transport.arrivals.has_received("/b") is None
 
 
 def test_a_request_ends_when_the_simulation_is_resumed(manager, transport):
-    transport.subscribe("/a", str, lambda _: None)
     done = manager.request_steps(3, ["/a"])
     manager.resume()
 

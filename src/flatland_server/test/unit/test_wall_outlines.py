@@ -1,6 +1,5 @@
 """Outlines of images: walls are between bright and dark pixels, and nowhere else."""
 
-from pathlib import Path
 from typing import List, Set, Tuple
 
 import numpy as np
@@ -73,66 +72,46 @@ def test_collinear_walls_that_touch_are_one(bright):
         assert len(ends) == len(set(ends))
 
 
-def saved_and_opened(image: Image.Image, folder: Path) -> Image.Image:
-    """An image that was saved and opened again."""
-    image.save(folder / "map.png")
-    return Image.open(folder / "map.png")
-
-
-def image_of(values: List[int], mode: str, dtype: type = np.uint8) -> Image.Image:
+def row(values: List[int], mode: str = "L", dtype: type = np.uint8) -> Image.Image:
     """A row of pixels."""
     return Image.fromarray(np.array([values], dtype=dtype), mode)
 
 
+def colors(mode: str, *pixels: Tuple[int, ...]) -> Image.Image:
+    """A row of pixels of several channels."""
+    image = Image.new(mode, (len(pixels), 1))
+    image.putdata(pixels)
+    return image
+
+
+def palette() -> Image.Image:
+    """White, black and light grey."""
+    image = row([0, 1, 2], "P")
+    image.putpalette([255, 255, 255, 0, 0, 0, 200, 200, 200])
+    return image
+
+
+W, B = (255,) * 3, (0,) * 3
+
+
 @pytest.mark.parametrize(
-    ("threshold", "darkest_bright"), [(0.65, 166), (0.5, 128), (0.0, 1), (0.196, 50)]
+    ("image", "threshold", "expected"),
+    [
+        *((row([b - 1, b]), t, [0, 1]) for t, b in ((0.65, 166), (0.5, 128), (0, 1), (0.196, 50))),
+        # Of 16 bits: 0.65 * 65535 = 42597.75
+        (row([0, 255, 42597, 42598, 65535], "I;16", np.uint16), 0.65, [0, 0, 0, 1, 1]),
+        (palette(), 0.65, [1, 0, 1]),
+        (row([0, 255]).convert("1"), 0.65, [0, 1]),
+        # Alpha is ignored.
+        (colors("RGBA", (*W, 255), (*W, 0), (*B, 255), (*B, 0)), 0.65, [1, 1, 0, 0]),
+        (colors("LA", (255, 255), (255, 0), (0, 255), (0, 0)), 0.65, [1, 1, 0, 0]),
+        # ITU-R 601: 0.299 R + 0.587 G + 0.114 B; green alone is brighter than half
+        (colors("RGB", (255, 0, 0), (0, 255, 0), (0, 0, 255)), 0.5, [0, 1, 0]),
+    ],
 )
-def test_a_pixel_is_bright_above_the_threshold_times_255(tmp_path, threshold, darkest_bright):
-    image = saved_and_opened(image_of([darkest_bright - 1, darkest_bright], "L"), tmp_path)
+def test_pixels_are_bright_above_the_threshold(tmp_path, image, threshold, expected):
+    image.save(tmp_path / "map.png")
+    opened = Image.open(tmp_path / "map.png")
 
-    assert bright_pixels(image, threshold).tolist() == [[False, True]]
-
-
-def test_the_threshold_of_a_16_bit_image_is_relative_to_65535(tmp_path):
-    # 0.65 * 65535 = 42597.75
-    grey = image_of([0, 255, 42597, 42598, 65535], "I;16", np.uint16)
-    image = saved_and_opened(grey, tmp_path)
-
-    assert image.mode.startswith("I")
-    assert bright_pixels(image, 0.65).tolist() == [[False, False, False, True, True]]
-
-
-def test_a_palette_image_is_read_by_its_colours(tmp_path):
-    palette = image_of([0, 1, 2], "P")
-    palette.putpalette([255, 255, 255, 0, 0, 0, 200, 200, 200])
-    image = saved_and_opened(palette, tmp_path)
-
-    assert image.mode == "P"
-    assert bright_pixels(image, 0.65).tolist() == [[True, False, True]]
-
-
-@pytest.mark.parametrize("mode", ["RGBA", "LA"])
-def test_alpha_is_ignored(tmp_path, mode):
-    image = Image.new(mode, (4, 1))
-    white, black = (255,) * (len(mode) - 1), (0,) * (len(mode) - 1)
-    image.putdata([(*white, 255), (*white, 0), (*black, 255), (*black, 0)])
-
-    opened = saved_and_opened(image, tmp_path)
-
-    assert opened.mode == mode
-    assert bright_pixels(opened, 0.65).tolist() == [[True, True, False, False]]
-
-
-def test_a_1_bit_image_is_black_and_white(tmp_path):
-    image = saved_and_opened(image_of([0, 255], "L").convert("1"), tmp_path)
-
-    assert image.mode == "1"
-    assert bright_pixels(image, 0.65).tolist() == [[False, True]]
-
-
-def test_colours_are_converted_to_their_luminance(tmp_path):
-    # ITU-R 601: 0.299 R + 0.587 G + 0.114 B; green alone is brighter than half
-    image = Image.new("RGB", (3, 1))
-    image.putdata([(255, 0, 0), (0, 255, 0), (0, 0, 255)])
-
-    assert bright_pixels(saved_and_opened(image, tmp_path), 0.5).tolist() == [[False, True, False]]
+    assert opened.mode[0] == image.mode[0]
+    assert bright_pixels(opened, threshold).tolist() == [[bool(each) for each in expected]]

@@ -25,33 +25,26 @@ actions: Dict[str, Callable[..., None]] = {}
 """The plugins' actions by name of the hook; called with the plugin and the hook's arguments."""
 
 
+def _recorded(hook: str) -> Callable[..., None]:
+    def call(self, *arguments: Any) -> None:
+        calls.append((self.label, hook, *arguments))
+        actions.get(hook, lambda *_: None)(self, *arguments)
+
+    return call
+
+
 class _Hooks:
     """Records the calls of its hooks, and runs the `actions` of the test."""
 
     def on_initialize(self, config):
         self.label = f"{self.model.name}/{self.name}" if hasattr(self, "model") else self.name
 
-    def before_physics_step(self, *arguments):
-        self._hook("before_physics_step", *arguments)
-
-    def begin_contact(self, *arguments):
-        self._hook("begin_contact", *arguments)
-
-    def pre_solve(self, *arguments):
-        self._hook("pre_solve", *arguments)
-
-    def end_contact(self, *arguments):
-        self._hook("end_contact", *arguments)
-
-    def post_solve(self, *arguments):
-        self._hook("post_solve", *arguments)
-
-    def after_physics_step(self, *arguments):
-        self._hook("after_physics_step", *arguments)
-
-    def _hook(self, hook: str, *arguments: Any) -> None:
-        calls.append((self.label, hook, *arguments))
-        actions.get(hook, lambda *_: None)(self, *arguments)
+    before_physics_step = _recorded("before_physics_step")
+    begin_contact = _recorded("begin_contact")
+    pre_solve = _recorded("pre_solve")
+    end_contact = _recorded("end_contact")
+    post_solve = _recorded("post_solve")
+    after_physics_step = _recorded("after_physics_step")
 
 
 class Listener(_Hooks, ModelPlugin):

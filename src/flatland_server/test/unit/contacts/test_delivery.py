@@ -137,9 +137,9 @@ def test_a_contact_within_a_model_is_reported_once(files, room):
     assert {pair.body_name(this), pair.body_name(other)} == {"a", "b"}
 
 
-def test_world_plugins_get_contacts_of_models_added_later(files, simulate):
+def test_plugins_get_contacts_of_models_and_walls_added_later(files, simulate):
     room = Room(files, simulate, "[{type: WorldListener, name: world}]")
-    room.put("early", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0))
+    room.put("early", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener")
     room.run(0.1)
     assert called_hooks("world").count("begin_contact") == 1
 
@@ -149,32 +149,16 @@ def test_world_plugins_get_contacts_of_models_added_later(files, simulate):
 
     calls.clear()
     room.add_wall(-1.0, -5.0, -1.0, 5.0)
+    foreign = room.world.physics.add_body("dynamic", (-0.5, -2.0, 0.0))  # of no model
+    foreign.add_circle((0.0, 0.0), 0.1, density=1.0)
+    foreign.velocity = (-2.0, 0.0, 0.0)
     room.world.get_model("early").base.physics_body.velocity = (-2.0, 0.0, 0.0)
     room.run(1.2)
-    pairs = [contact for _, hook, *(contact, *_) in calls if hook == "begin_contact"]
+
+    begun = [(plugin, c) for plugin, hook, *(c, *_) in calls if hook == "begin_contact"]
     new_wall = room.world.layers[0].physics_bodies[1]
-    assert [new_wall in (c.fixture_a.body, c.fixture_b.body) for c in pairs] == [True]
-
-
-def test_a_plugin_gets_contacts_with_a_wall_added_later(room):
-    room.put("ball", (0.0, 0.0, 0.0), (-2.0, 0.0, 0.0), "Listener")
-    room.add_wall(-0.5, -5.0, -0.5, 5.0)
-
-    room.run(0.4)
-
-    assert called_hooks().count("begin_contact") == 1
-
-
-def test_world_plugins_get_contacts_of_a_wall_added_later(files, simulate):
-    room = Room(files, simulate, "[{type: WorldListener, name: world}]")
-    foreign = room.world.physics.add_body("dynamic", (-0.5, 0.0, 0.0))
-    foreign.add_circle((0.0, 0.0), 0.1, density=1.0)
-    foreign.velocity = (-1.0, 0.0, 0.0)
-
-    room.add_wall(-1.0, -5.0, -1.0, 5.0)
-    room.run(0.5)
-
-    assert called_hooks("world").count("begin_contact") == 1
+    assert all(new_wall in (c.fixture_a.body, c.fixture_b.body) for _, c in begun)
+    assert sorted(plugin for plugin, _ in begun) == ["early/p0", "world", "world"]
 
 
 def test_a_contact_equals_itself_in_all_events_and_ends(files, simulate):

@@ -13,12 +13,8 @@ from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.simulation.world import WorldPlugin
 
 HOOKS = (
-    "before_physics_step",
-    "begin_contact",
-    "pre_solve",
-    "post_solve",
-    "end_contact",
-    "after_physics_step",
+    *("before_physics_step", "begin_contact", "pre_solve"),
+    *("post_solve", "end_contact", "after_physics_step"),
 )
 FAR = Pose(-3.0, 2.0, 0.5)
 
@@ -28,6 +24,10 @@ plans: Dict[Tuple[str, str], Callable[[], None]] = {}
 starts: "Counter[str]" = Counter()
 ends: "Counter[str]" = Counter()
 """The numbers of starts and shutdowns of each model's plugins."""
+
+
+def _acts_in(hook: str) -> Callable[..., None]:
+    return lambda self, *_: self._act(hook)
 
 
 class Actor(ModelPlugin):
@@ -42,23 +42,8 @@ class Actor(ModelPlugin):
         if config.get_bool("fails", False):
             raise config.error("no luck")
 
-    def before_physics_step(self, timekeeper):
-        self._act("before_physics_step")
-
-    def begin_contact(self, contact):
-        self._act("begin_contact")
-
-    def pre_solve(self, contact, old_manifold):
-        self._act("pre_solve")
-
-    def post_solve(self, contact, impulse):
-        self._act("post_solve")
-
-    def end_contact(self, contact):
-        self._act("end_contact")
-
-    def after_physics_step(self, timekeeper):
-        self._act("after_physics_step")
+    before_physics_step, begin_contact, pre_solve = map(_acts_in, HOOKS[:3])
+    post_solve, end_contact, after_physics_step = map(_acts_in, HOOKS[3:])
 
     def on_shutdown(self):
         ends[self.model.name] += 1
@@ -85,16 +70,12 @@ class Stage:
         ball = "{type: circle, radius: 0.1, density: 1, restitution: 1}"
         square = "{type: polygon, points: [[0, -1], [1, -1], [1, 1], [0, 1]], density: 1}"
         plugin = "plugins: [{type: Actor, name: actor}]"
-        files.write("ball.yaml", f"bodies: [{{name: base, footprints: [{ball}]}}]\n{plugin}\n")
-        files.write(
-            "post.yaml", f"bodies: [{{name: base, type: static, footprints: [{square}]}}]\n{plugin}"
-        )
-        files.write(
-            "bad.yaml",
-            f"bodies: [{{name: base, footprints: [{ball}]}}]\nplugins:\n"
-            "  - {type: Actor, name: a}\n  - {type: Actor, name: b}\n"
-            "  - {type: Actor, name: c, fails: true}\n",
-        )
+        body = f"bodies: [{{name: base, footprints: [{ball}]}}]\n"
+        static = f"bodies: [{{name: base, type: static, footprints: [{square}]}}]\n"
+        bad = [f"\n  - {{type: Actor, name: {each}}}" for each in ("a", "b", "c, fails: true")]
+        files.write("ball.yaml", body + plugin)
+        files.write("post.yaml", static + plugin)
+        files.write("bad.yaml", f"{body}plugins:{''.join(bad)}\n")
         self.world = files.load("properties: {}\nlayers: [{name: walls}]\n")
         self.world.add_walls("walls", np.array([[-9.0, -9.0, 9.0, -9.0]]))
         self.simulation = simulate(self.world)
@@ -107,6 +88,11 @@ class Stage:
 
     def body(self, name: str) -> _core.Body:
         return self.world.get_model(name).base.physics_body
+
+    def cue(self) -> None:
+        """Sends a message to all plugins, whose callbacks are run."""
+        self.simulation.transport.send("/cue", "go")
+        self.simulation.transport.process()
 
     def run(self, seconds=None) -> None:
         self.simulation.run(seconds)

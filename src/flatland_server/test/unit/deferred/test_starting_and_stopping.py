@@ -43,18 +43,6 @@ def test_a_starting_model_may_be_moved_and_spawn_others(stage):
     assert poses["bystander"] == poses["second"] == pytest.approx(FAR)
 
 
-def test_a_starting_model_may_delete_itself_and_spawn_another(stage):
-    def ask():
-        stage.world.delete_model("newcomer")
-        stage.spawn("second")
-
-    plans["newcomer", "on_initialize"] = ask
-
-    stage.spawn("newcomer")
-
-    assert set(stage.world.models) == {"robot", "post", "bystander", "second"}
-
-
 def test_a_stopping_model_may_delete_itself_and_spawn_another(stage):
     def ask():
         stage.world.delete_model("robot")

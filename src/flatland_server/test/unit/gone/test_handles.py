@@ -3,7 +3,7 @@
 import sys
 import threading
 from contextlib import suppress
-from typing import Any
+from typing import Any, Dict, Tuple
 
 import numpy as np
 import pytest
@@ -19,66 +19,41 @@ def use(handle: Any, name: str, *arguments: Any) -> Any:
     return value(*arguments) if callable(value) else value
 
 
+def named(names: str, *arguments: Any) -> Dict[str, Tuple[Any, ...]]:
+    """Attributes with these arguments."""
+    return dict.fromkeys(names.split(), arguments)
+
+
 CALLS = {
     "body": {
-        "remove": (),
-        "halt": (),
-        "fixtures": (),
-        "fixture": (0,),
-        "overlapping": (),
-        "pose": (),
-        "velocity": (),
-        "local_velocity": (),
-        "read_motion": (np.zeros(3), np.zeros(3)),
-        "velocity_at": ((0, 0),),
-        "apply_force": ((0, 0),),
-        "apply_torque": (0,),
-        "apply_linear_impulse": ((0, 0),),
-        "apply_angular_impulse": (0,),
-        "world_point": ((0, 0),),
-        "local_point": ((0, 0),),
-        "world_vector": ((0, 0),),
-        "local_vector": ((0, 0),),
-        "type": (),
-        "mass": (),
-        "inertia": (),
-        "center": (),
-        "local_center": (),
-        "set_mass": (2.0,),
-        "reset_mass": (),
-        "awake": (),
-        "listen_to_contacts": (1,),
-        "add_drive": (),
-        "add_drift": (1,),
-        "add_tween": ((1, 0, 0), 1),
-        "add_lidar": (_core.BeamFan(0, 0.1, 3), (0, 0, 0), 5.0),
+        **named("remove halt fixtures overlapping pose velocity local_velocity type mass inertia"),
+        **named("center local_center reset_mass awake add_drive"),
+        **named("velocity_at apply_force apply_linear_impulse", (0, 0)),
+        **named("world_point local_point world_vector local_vector", (0, 0)),
+        **named("fixture apply_torque apply_angular_impulse", 0),
+        **named("listen_to_contacts add_drift", 1),
+        **named("read_motion", np.zeros(3), np.zeros(3)),
+        **named("set_mass", 2.0),
+        **named("add_tween", (1, 0, 0), 1),
+        **named("add_lidar", _core.BeamFan(0, 0.1, 3), (0, 0, 0), 5.0),
     },
     "fixture": {
-        "density": (),
-        "friction": (),
-        "restitution": (),
-        "sensor": (),
-        "collides": (),
-        "visible": (),
-        "seen_radius": (),
-        "layers": (),
-        "test_point": ((0, 0),),
-        "set_circle": ((0, 0), 1),
-        "set_polygon": (((0, 0), (1, 0), (0, 1)),),
+        **named("density friction restitution sensor collides visible seen_radius layers"),
+        **named("test_point", (0, 0)),
+        **named("set_circle", (0, 0), 1),
+        **named("set_polygon", ((0, 0), (1, 0), (0, 1))),
     },
-    "joint": {"angle": (), "speed": (), "limits": (), "motor": (), "motor_torque": ()},
-    "drive": {"command": (0, 0, 0), "target": (), "velocity": ()},
-    "tricycle": {"command": (0, 0), "speed": (), "steer_angle": ()},
+    "joint": named("angle speed limits motor motor_torque"),
+    "drive": {**named("command", 0, 0, 0), **named("target velocity")},
+    "tricycle": {**named("command", 0, 0), **named("speed steer_angle")},
     "car": {
-        "command": (0, 0),
-        "command_within": (0, 0, 0, 0, 0),
-        "speed": (),
-        "steer_angle": (),
-        "slip_angle": (),
+        **named("command", 0, 0),
+        **named("command_within", 0, 0, 0, 0, 0),
+        **named("speed steer_angle slip_angle"),
     },
-    "tween": {"trigger": (True,), "progress": ()},
-    "drift": {"pose": (), "velocity": ()},
-    "lidar": {"expect_scan": (), "ranges": (), "scan": ()},
+    "tween": {**named("trigger", True), **named("progress")},
+    "drift": named("pose velocity"),
+    "lidar": named("expect_scan ranges scan"),
 }
 """The attributes of each kind of handle, with arguments for those that are called."""
 
@@ -204,13 +179,14 @@ def test_handles_of_a_deleted_body_can_still_be_compared(files, world):
 @pytest.mark.parametrize(
     "ask",
     [
-        pytest.param(lambda model, _: model.base, id="base"),
-        pytest.param(lambda model, _: model.pose, id="pose"),
-        pytest.param(lambda model, _: model.move(Pose()), id="move"),
-        pytest.param(lambda model, _: model.get_body("base"), id="get_body"),
-        pytest.param(lambda model, _: model.get_joint("steering"), id="get_joint"),
-        pytest.param(lambda model, fixture: model.body_name(fixture), id="body_name"),
+        lambda model, _: model.base,
+        lambda model, _: model.pose,
+        lambda model, _: model.move(Pose()),
+        lambda model, _: model.get_body("base"),
+        lambda model, _: model.get_joint("steering"),
+        lambda model, fixture: model.body_name(fixture),
     ],
+    ids=["base", "pose", "move", "get_body", "get_joint", "body_name"],
 )
 def test_using_a_deleted_model_raises(world, ask):
     robot = world.get_model("robot")

@@ -1,7 +1,7 @@
 """Shared by the tests of the plugin manager: plugins that record their calls, and worlds."""
 
 import math
-from typing import Any, List, Tuple
+from typing import Any, Callable, List, Tuple
 
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.simulation.run import Run
@@ -44,20 +44,15 @@ class Recorder(ModelPlugin):
             raise SystemExit("no luck") if self._exits else RuntimeError("no luck")
 
 
+def _recorded(hook: str) -> Callable[..., None]:
+    return lambda self, *_: self._record(hook)
+
+
 class Toucher(Recorder):
     """Records its contacts too."""
 
-    def begin_contact(self, contact):
-        self._record("begin_contact")
-
-    def pre_solve(self, contact, old_manifold):
-        self._record("pre_solve")
-
-    def end_contact(self, contact):
-        self._record("end_contact")
-
-    def post_solve(self, contact, impulse):
-        self._record("post_solve")
+    begin_contact, end_contact = _recorded("begin_contact"), _recorded("end_contact")
+    pre_solve, post_solve = _recorded("pre_solve"), _recorded("post_solve")
 
 
 class WorldRecorder(WorldPlugin):

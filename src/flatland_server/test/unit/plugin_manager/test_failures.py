@@ -41,10 +41,13 @@ def run_a_collision(world) -> None:
     step(world, 10)
 
 
+@pytest.mark.parametrize("exits", [False, True])
 @pytest.mark.parametrize("hook", sorted(FAILURES))
-def test_a_failing_plugin_is_disabled_and_the_others_go_on(files, caplog, hook):
-    plugins = f"type: Toucher, name: bad, fails_in: {hook} | type: Toucher, name: good"
-    world = world_of(files, f"robot: {plugins}; other: type: Toucher, name: good")
+def test_a_failing_plugin_is_disabled_and_the_others_go_on(files, caplog, hook, exits):
+    """It may also call sys.exit()."""
+    bad = f"type: Toucher, name: bad, fails_in: {hook}, exits: {exits}"
+    good = "type: Toucher, name: good"
+    world = world_of(files, f"robot: {bad} | {good}; other: {good}")
 
     run_a_collision(world)
     run_a_collision(world)
@@ -55,31 +58,18 @@ def test_a_failing_plugin_is_disabled_and_the_others_go_on(files, caplog, hook):
         assert set(hooks_of(good)) == {"on_initialize", *FAILURES}
         assert hooks_of(good).count("after") == 20
         assert hooks_of(good).count("begin_contact") == hooks_of(good).count("end_contact") == 2
+    error, where = SystemExit if exits else RuntimeError, FAILURES[hook]
     [record] = [record for record in caplog.records if record.levelno >= logging.ERROR]
-    where = FAILURES[hook]
     assert record.getMessage() == f'the plugin "robot/bad" failed in {where} and is switched off'
-    assert record.exc_info[0] is RuntimeError
+    assert record.exc_info[0] is error
     assert "_record" in caplog.text  # the traceback leads to the line
     [failure] = world.plugin_failures
-    reason = f"{where}: RuntimeError: no luck"
-    assert failure == ("robot", "bad", "Toucher", reason)
-
-
-@pytest.mark.parametrize("hook", sorted(FAILURES))
-def test_the_topics_and_frames_of_a_plugin_that_fails_are_closed(files, caplog, hook):
-    world = world_of(
-        files, f"robot: type: Toucher, name: bad, fails_in: {hook}; other: type: Recorder, name: p"
-    )
-    assert local(world).topics == {"/robot/bad", "/other/p"}
-
-    run_a_collision(world)
-    run_a_collision(world)
-
-    assert local(world).topics == {"/other/p"}
-    assert len(local(world)._callbacks["/command"]) == 1
+    assert failure == ("robot", "bad", "Toucher", f"{where}: {error.__name__}: no luck")
+    assert local(world).topics == {"/robot/good", "/other/good"}
+    assert len(local(world)._callbacks["/command"]) == 2
     caplog.clear()
-    world.plugins_of("other")["p"].node.claim_frame("odom", "robot/bad")
-    assert caplog.records == []
+    world.plugins_of("other")["good"].node.claim_frame("odom", "robot/bad")
+    assert caplog.records == []  # nobody else places this frame any more
 
 
 def test_a_failure_names_the_hook_whatever_its_function_is(files, monkeypatch):
@@ -169,26 +159,12 @@ def test_a_plugin_that_was_switched_off_stays_off(files):
     assert [call for call in calls if call[0] == "robot/bad"] == []
 
 
-@pytest.mark.parametrize("hook", sorted(FAILURES))
-def test_sys_exit_in_a_hook_ends_the_plugin_alone(files, hook):
-    plugins = f"type: Toucher, name: bad, fails_in: {hook}, exits: true"
-    world = world_of(files, f"robot: {plugins}; other: type: Toucher, name: good")
-
-    run_a_collision(world)
-
-    [failure] = world.plugin_failures
-    assert failure.reason == f"{FAILURES[hook]}: SystemExit: no luck"
-    assert hooks_of("other/good").count("after") == 10
-
-
 def test_sys_exit_in_on_initialize_refuses_the_model(files):
     world = world_of(files, "other: type: Toucher, name: good")
-    path = write_model(
-        files, "bad", "type: Recorder, name: bad, fails_in: on_initialize, exits: true"
-    )
+    bad = "type: Recorder, name: bad, fails_in: on_initialize, exits: true"
 
     with pytest.raises(YamlError, match="does not start: SystemExit: no luck"):
-        world.spawn_model(path, "robot", "", Pose())
+        world.spawn_model(write_model(files, "bad", bad), "robot", "", Pose())
 
     assert list(world.models) == ["other"]
 

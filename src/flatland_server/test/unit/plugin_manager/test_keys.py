@@ -43,9 +43,3 @@ def test_the_last_of_two_equal_keys_counts_with_a_warning(caplog, loader):
     assert horn.volume == 3.0
     [warning] = [record.getMessage() for record in caplog.records]
     assert 'the key "volume" is given twice; the last one counts' in warning
-
-
-def test_a_key_given_twice_is_warned_of_for_any_plugin(caplog, loader):
-    robot("type: Horn, name: horn, name: horn", loader=loader)
-
-    assert 'the key "name" is given twice' in caplog.text

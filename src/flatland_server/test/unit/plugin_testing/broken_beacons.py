@@ -30,14 +30,18 @@ class Breaks(ModelPlugin):
         raise ValueError("no luck")
 
 
-class ReadsMore(Beacon):
-    def read_more(self, config: YamlReader) -> None:
-        config.get_string("secret", "")
+def broken(name: str, **methods: Callable[..., Any]) -> Type[Beacon]:
+    """A beacon with other methods."""
+    return type(name, (Beacon,), methods)
 
 
-class IgnoresUnknownKeys(Beacon):
-    def read_limits(self, config: YamlReader) -> None:
-        config.get_section("limits")  # without finish()
+ReadsMore = broken("ReadsMore", read_more=lambda self, config: config.get_string("secret", ""))
+
+
+IgnoresUnknownKeys = broken(
+    "IgnoresUnknownKeys",
+    read_limits=lambda self, config: config.get_section("limits"),  # without finish()
+)
 
 
 class CrashesWithoutKey(Beacon):
@@ -95,19 +99,16 @@ class NeverNoticesSubscribers(Beacon):
             super().shine(now)
 
 
-class NamespacesTopicTwice(Beacon):
-    def own_topic(self, topic: str) -> str:
-        return "/".join(part for part in (self.model.namespace, topic.strip("/")) if part)
+NamespacesTopicTwice = broken(
+    "NamespacesTopicTwice",
+    own_topic=lambda self, topic: "/".join(filter(None, (self.model.namespace, topic.strip("/")))),
+)
 
 
-class ForgetsNamespaceOfFrame(Beacon):
-    def own_frame(self, frame: str) -> str:
-        return frame
+ForgetsNamespaceOfFrame = broken("ForgetsNamespaceOfFrame", own_frame=lambda self, frame: frame)
 
 
-class HasFixedFrame(Beacon):
-    def own_frame(self, frame: str) -> str:
-        return self.name_space_tf("lamp")
+HasFixedFrame = broken("HasFixedFrame", own_frame=lambda self, _: self.name_space_tf("lamp"))
 
 
 class IgnoresItsRate(Beacon):
@@ -116,9 +117,7 @@ class IgnoresItsRate(Beacon):
         return 100.0
 
 
-class StampsWrongly(Beacon):
-    def shine(self, now: int) -> None:
-        super().shine(now + 1)
+StampsWrongly = broken("StampsWrongly", shine=lambda self, now: Beacon.shine(self, now + 1))
 
 
 class IsNotRepeatable(Beacon):
@@ -180,9 +179,7 @@ class KeepsASubscription(Beacon):
         self.node._transport.subscribe("/left", Bool, lambda _: None)
 
 
-class IsRemembered(Beacon):
-    def read_more(self, config: YamlReader) -> None:
-        REMEMBERED.append(self)
+IsRemembered = broken("IsRemembered", read_more=lambda self, _: REMEMBERED.append(self))
 
 
 class KeepsABody(Beacon):
@@ -208,8 +205,7 @@ class GoesOnSending(Beacon):
         transport.process = process_and_send
 
 
-class GoesOnPublishing(GoesOnSending):
-    pass
+GoesOnPublishing = type("GoesOnPublishing", (GoesOnSending,), {})
 
 
 class MovesWhenDrawn(Beacon):
@@ -227,9 +223,7 @@ class ChangesItsTopic(Beacon):
         return topic if self.body.physics_body.id < 2**33 else "another"  # its slot is used again
 
 
-class ReadsItsChance(Beacon):
-    def read(self, timekeeper):
-        return self.rng.random()
+ReadsItsChance = broken("ReadsItsChance", read=lambda self, timekeeper: self.rng.random())
 
 
 class CountsReadings(Beacon):

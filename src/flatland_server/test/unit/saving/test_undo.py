@@ -55,29 +55,25 @@ def test_moves_spawns_and_deletions_are_undone_and_redone(server):
         revert(server, "redo")
 
 
-def test_several_models_are_one_edit(server):
-    pose = SimpleNamespace(x=1.0, y=1.0, theta=0.0)
-    models = [
-        SimpleNamespace(yaml_path="box.yaml", name=name, ns="", pose=pose) for name in ("c", "d")
-    ]
-    server.call("spawn_models", models=models)
+def test_several_models_are_one_edit_and_none_if_one_fails(server):
+    def spawn(*names):
+        pose = SimpleNamespace(x=1.0, y=1.0, theta=0.0)
+        fields = {"yaml_path": "box.yaml", "ns": "", "pose": pose}
+        models = [SimpleNamespace(name=name, **fields) for name in names]
+        server.call("spawn_models", models=models)
+
+    with pytest.raises(FlatlandError, match="already"):
+        spawn("c", "c")
+    assert server.edits.next_texts == ("", "")
+    assert list(server.world.models) == ["a", "b"]
+
+    spawn("c", "d")
     assert revert(server, "undo") == "Undone: Spawn 2 models"
     assert list(server.world.models) == ["a", "b"]
 
     server.call("delete_models", name=["a", "b"])
     revert(server, "undo")
     assert list(server.world.models) == ["a", "b"]
-
-
-def test_a_spawn_of_several_that_fails_is_no_edit(server):
-    pose = SimpleNamespace(x=1.0, y=1.0, theta=0.0)
-    models = [
-        SimpleNamespace(yaml_path="box.yaml", name=name, ns="", pose=pose) for name in ("c", "c")
-    ]
-    with pytest.raises(FlatlandError, match="already"):
-        server.call("spawn_models", models=models)
-    assert list(server.world.models) == ["a", "b"]
-    assert server.edits.next_texts == ("", "")
 
 
 def test_a_model_comes_back_with_its_namespace_to_where_it_was(server):
@@ -121,15 +117,12 @@ def test_messages_for_one_model_in_a_row_are_one_edit(server):
     assert server.edits.next_texts[0] == ""
 
 
-def test_a_new_edit_leaves_nothing_to_redo(server):
+def test_a_new_edit_leaves_nothing_to_redo_and_a_reset_nothing_to_undo(server):
     server.move("a", 0.0, 0.0)
     revert(server, "undo")
     server.move("b", 1.0, 0.0)
     assert server.edits.next_texts == ("Move b", "")
 
-
-def test_a_reset_world_has_nothing_to_undo(server):
-    server.move("a", 0.0, 0.0)
     server.reset()
     assert server.edits.next_texts == ("", "")
     with pytest.raises(FlatlandError, match="nothing to undo"):
@@ -145,17 +138,14 @@ def test_an_edit_of_a_model_that_is_gone_is_dropped(server):
     assert server.edits.next_texts == ("Move b", "")
 
 
-def tick(server):
-    for action in server.manager.on_tick:
-        action()
-
-
 def test_the_state_names_the_next_edits(server):
+    def state():
+        for action in server.manager.on_tick:
+            action()
+        state = server.manager.transport.last("/flatland_server/state")
+        return state.undo, state.redo, state.edits
+
     server.move("a", 0.0, 0.0, math.pi)
-    tick(server)
-    state = server.manager.transport.last("/flatland_server/state")
-    assert (state.undo, state.redo, state.edits) == ("Move a", "", 1)
+    assert state() == ("Move a", "", 1)
     revert(server, "undo")
-    tick(server)
-    state = server.manager.transport.last("/flatland_server/state")
-    assert (state.undo, state.redo, state.edits) == ("", "Move a", 0)
+    assert state() == ("", "Move a", 0)

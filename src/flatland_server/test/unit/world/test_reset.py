@@ -119,23 +119,6 @@ def test_a_world_stays_as_it_is_if_a_plugin_does_not_start_again(load, monkeypat
     assert world.plugin_failures == []
 
 
-def test_a_hook_cannot_make_time_begin_again(load, monkeypatch):
-    refusals = []
-
-    def reset(self, timekeeper):
-        with pytest.raises(FlatlandError) as caught:
-            simulation.reset()
-        refusals.append(str(caught.value))
-
-    monkeypatch.setattr(Herald, "after_physics_step", reset)
-    simulation = load()
-
-    simulation.run(0.01)
-
-    assert refusals == ["reset is for between steps, not for hooks or for other threads"] * 2
-    assert simulation.timekeeper.nanoseconds == 10_000_000
-
-
 def test_a_hook_may_reset_the_world_at_the_end_of_the_step(load, monkeypatch, caplog):
     def reset_once(self, timekeeper):
         self._publisher.publish(len(self.world.models))
@@ -155,23 +138,24 @@ def test_a_hook_may_reset_the_world_at_the_end_of_the_step(load, monkeypatch, ca
     assert 'the model "b" is not deleted: the world has been reset before' in caplog.text
 
 
-@pytest.mark.parametrize("name", ["on_initialize", "on_shutdown"])
-def test_a_reset_is_refused_while_plugins_start_or_stop(load, monkeypatch, name):
+@pytest.mark.parametrize(("plugin", "hook"), [(Herald, "on_initialize"), (Talker, "on_shutdown")])
+def test_a_reset_is_refused_while_plugins_start_or_stop(load, monkeypatch, plugin, hook):
     refusals = []
-    original = getattr(Herald, name)
+    original = getattr(plugin, hook)
 
     def reset(self, *arguments):
         original(self, *arguments)
-        try:
-            self.world.reset()
-        except FlatlandError as error:
-            refusals.append(str(error))
+        world = self.world if plugin is Herald else simulation.world
+        with pytest.raises(FlatlandError) as caught:
+            world.reset()
+        refusals.append(str(caught.value))
 
-    monkeypatch.setattr(Herald, name, reset)
+    monkeypatch.setattr(plugin, hook, reset)
     simulation = load()
-    simulation.reset()
-    assert list(simulation.world.models) == ["a", "b"]
-    assert set(refusals) <= {"the world cannot be reset while plugins are started or stopped"}
+    simulation.world.delete_model("a")
+
+    assert list(simulation.world.models) == ["b"]
+    assert refusals == ["the world cannot be reset while plugins are started or stopped"]
 
 
 def test_an_edited_file_is_loaded_in_place_of_the_former_one(models, load, transport):
@@ -217,17 +201,18 @@ def test_no_file_is_read_for_a_reset(models, load):
     assert list(simulation.world.models) == ["a", "b"]
 
 
-def test_states_and_reloads_are_for_between_steps(load, monkeypatch):
+def test_resets_states_and_reloads_are_for_between_steps(load, monkeypatch):
     refusals = []
 
     def act(self, timekeeper):
-        for action in (
-            simulation.save_state,
-            lambda: simulation.load_state(b""),
-            lambda: simulation.reload(self.world.read_config()),
+        for action, *arguments in (
+            (simulation.reset,),
+            (simulation.save_state,),
+            (simulation.load_state, b""),
+            (simulation.reload, self.world.read_config()),
         ):
             with pytest.raises(FlatlandError) as caught:
-                action()
+                action(*arguments)
             refusals.append(str(caught.value))
 
     monkeypatch.setattr(Herald, "after_physics_step", act)
@@ -236,8 +221,9 @@ def test_states_and_reloads_are_for_between_steps(load, monkeypatch):
 
     assert refusals == [
         f"{name} is for between steps, not for hooks or for other threads"
-        for name in ("save_state", "load_state", "reload")
+        for name in ("reset", "save_state", "load_state", "reload")
     ]
+    assert simulation.timekeeper.nanoseconds == 5_000_000
 
 
 def test_the_former_contents_are_freed_at_once(load):
@@ -253,18 +239,12 @@ def test_the_former_contents_are_freed_at_once(load):
         gc.enable()
 
 
-PUSHES = """
-bodies:
-  - name: base
-    footprints: [{type: circle, radius: 0.3, density: 1}]
-"""
-
-
 @pytest.fixture
 def collide(models, simulate):
     """Loads a room of discs, and lets them bounce about; returns where they have been."""
     walls = "\n".join(f"{-4 + i % 9} {i // 9} {-3.5 + i % 9} {i // 9 + 0.2}" for i in range(40))
-    models.write("disc.yaml", PUSHES)
+    disc = "{type: circle, radius: 0.3, density: 1}"
+    models.write("disc.yaml", f"bodies: [{{name: base, footprints: [{disc}]}}]")
     text = (
         f"properties: {{}}\nlayers: [{{name: map, map: {models.walls('map', walls)}}}]\nmodels:\n"
     )

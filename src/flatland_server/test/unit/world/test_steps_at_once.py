@@ -6,7 +6,6 @@ from typing import Any, List
 
 import pytest
 
-from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
@@ -192,18 +191,3 @@ def test_after_step_callbacks_split_steps_made_at_once(files):
     run.after_step.append(lambda: None)
     run.step(3)
     assert flushes[1:] == [255_000_000, 260_000_000, 265_000_000]
-
-
-def test_a_hook_cannot_make_them(files, monkeypatch):
-    errors: List[str] = []
-
-    def try_it(plugin, timekeeper):
-        with pytest.raises(FlatlandError) as caught:
-            run.step(5)
-        errors.append(str(caught.value))
-
-    monkeypatch.setattr(Timed, "before_physics_step", try_it)
-    make_run(files, TIMED).make(100, at_once=True)
-
-    assert errors == ["a hook of a plugin cannot make a step"] * 4
-    assert run.timekeeper.nanoseconds == 500_000_000

@@ -23,23 +23,19 @@ def test_a_layer_is_found_by_any_of_its_names(models, name, index):
 
 
 @pytest.mark.parametrize(
-    ("text", "name", "message"),
+    ("text", "message"),
     [
-        (
-            TWO_LAYERS,
-            "gruond",
-            'no layer is named "gruond" (did you mean "ground"?); there are: ground, floor, glass',
-        ),
-        (EMPTY, "ground", 'no layer is named "ground"; there are: none'),
+        (TWO_LAYERS, ' (did you mean "ground"?); there are: ground, floor, glass'),
+        (EMPTY, "; there are: none"),
     ],
 )
-def test_the_error_for_an_unknown_layer_lists_all_layers(models, text, name, message):
+def test_the_error_for_an_unknown_layer_lists_all_layers(models, text, message):
     world = models.load(text)
 
     for ask in (world.get_layer, lambda name: world.add_walls(name, WALL)):
         with pytest.raises(LayerError) as caught:
-            ask(name)
-        assert str(caught.value) == message
+            ask("gruond")
+        assert str(caught.value) == f'no layer is named "gruond"{message}'
 
 
 def test_added_walls_act_in_their_layer_only(models, simulate):
@@ -71,21 +67,19 @@ def test_added_walls_are_part_of_their_layer(models):
 
     assert world.get_layer("ground").segments.tolist() == [*WALL.tolist(), *more.tolist()]
     assert world.get_layer("glass").segments.tolist() == []
-    assert [world.entities.owner(b.id).name for b in world.layers[0].physics_bodies] == [
-        "ground",
-        "ground",
-    ]
+    owners = {world.entities.owner(b.id).name for b in world.layers[0].physics_bodies}
+    assert owners == {"ground"}
 
 
 @pytest.mark.parametrize(
     "segments",
     [
-        pytest.param([[0.0, 0.0, 1.0, 1.0], [0.0, 0.0, math.nan, 1.0]], id="NaN"),
-        pytest.param([[0.0, 0.0, 1.0, 1.0], [0.0, 0.0, math.inf, 1.0]], id="infinite"),
-        pytest.param([[0.0, 0.0, 1.0, 1.0], [1.0, 1.0, 1.0, 1.0]], id="of no length"),
-        pytest.param([[0.0, 0.0, 1.0, 1.0], [0.0, 0.0, 1e6, 1.0]], id="too far"),
-        pytest.param([0.0, 0.0, 1.0, 1.0], id="not a list of segments"),
-        pytest.param([[0.0, 0.0, 1.0]], id="three numbers"),
+        [[0.0, 0.0, 1.0, 1.0], [0.0, 0.0, math.nan, 1.0]],
+        [[0.0, 0.0, 1.0, 1.0], [0.0, 0.0, math.inf, 1.0]],
+        [[0.0, 0.0, 1.0, 1.0], [1.0, 1.0, 1.0, 1.0]],  # of no length
+        [[0.0, 0.0, 1.0, 1.0], [0.0, 0.0, 1e6, 1.0]],  # too far
+        [0.0, 0.0, 1.0, 1.0],  # not a list of segments
+        [[0.0, 0.0, 1.0]],
     ],
 )
 def test_if_one_wall_is_invalid_none_is_added(models, segments):

@@ -107,20 +107,15 @@ def test_an_entry_that_is_kept_can_be_read_later(tmp_path):
 # Entries that can be switched off
 
 
-def test_a_disabled_entry_is_skipped_whatever_it_contains(tmp_path):
-    text = "bodies:\n  - {enabled: false, name: [a], name: [b], mass: heavy}\n  - {name: base}"
+def test_a_disabled_entry_is_skipped_whatever_it_contains_and_its_name_is_free(tmp_path):
+    off = ("{enabled: false, name: [a], name: [b], mass: heavy}", "{name: base, enabled: no}")
+    text = "\n  - ".join(["bodies:", *off, "{name: base, enabled: yes}"])
     reader = read(tmp_path, text)
 
     names = reader.get_enabled_sections("bodies", read_name)
 
     reader.finish()
     assert names == ["base"]
-
-
-def test_the_name_of_a_disabled_entry_may_be_used_again(tmp_path):
-    text = "bodies:\n  - {name: base, enabled: no}\n  - {name: base, enabled: yes}"
-
-    assert read(tmp_path, text).get_enabled_sections("bodies", read_name) == ["base"]
 
 
 def test_two_enabled_entries_may_not_have_the_same_name(tmp_path):

@@ -16,64 +16,26 @@ from flatland_server.geometry import Pose
 TYPES = ["static", "kinematic", "dynamic"]
 
 
-WRONG_VALUES: Dict[str, Any] = {
-    # mistake: text of the file, getter, message after "<file>:"
-    "true for a number": (
-        "mass: true",
-        lambda r: r.get_float("mass"),
-        "1: mass: expected a number, found true",
+WRONG_VALUES = [
+    # text of the key "v", getter, message
+    ("true", lambda r: r.get_float("v"), "expected a number, found true"),
+    ("nan", lambda r: r.get_float("v", allow_infinity=True), 'expected a number, found "nan"'),
+    ("-.inf", lambda r: r.get_float("v"), "expected a finite number, found -.inf"),
+    ("1.0e+999", lambda r: r.get_float("v"), "expected a finite number, found 1.0e+999"),
+    ("x" * 100, lambda r: r.get_float("v"), f'expected a number, found "{"x" * 56}...'),
+    ("0.0", lambda r: r.get_rate("v"), "expected a number above 0, found 0.0"),
+    (
+        '[0, "much", 1]',
+        lambda r: r.get_floats("v", 3),
+        'expected a list of 3 numbers, found [0, "much", 1]',
     ),
-    "NaN in Python's spelling": (
-        "mass: nan",
-        lambda r: r.get_float("mass", allow_infinity=True),
-        '1: mass: expected a number, found "nan"',
+    (
+        "[0, -1, 0]",
+        lambda r: r.get_floats("v", 3, minimum=0.0),
+        "expected a list of 3 numbers of 0 or more, found [0, -1, 0]",
     ),
-    "minus infinity": (
-        "mass: -.inf",
-        lambda r: r.get_float("mass"),
-        "1: mass: expected a finite number, found -.inf",
-    ),
-    "a number too large for a computer": (
-        "mass: 1.0e+999",
-        lambda r: r.get_float("mass"),
-        "1: mass: expected a finite number, found 1.0e+999",
-    ),
-    "a rate of zero": (
-        "rate: 0.0",
-        lambda r: r.get_rate("rate"),
-        "1: rate: expected a number above 0, found 0.0",
-    ),
-    "a list with a word": (
-        "noise: [0, much, 1]",
-        lambda r: r.get_floats("noise", 3),
-        '1: noise: expected a list of 3 numbers, found [0, "much", 1]',
-    ),
-    "a list with a negative number": (
-        "noise: [0, -1, 0]",
-        lambda r: r.get_floats("noise", 3, minimum=0.0),
-        "1: noise: expected a list of 3 numbers of 0 or more, found [0, -1, 0]",
-    ),
-    "a number for corners": (
-        "points: 3",
-        lambda r: r.get_points("points", 3, 8),
-        "1: points: expected a list of 3 to 8 points [x, y], found 3",
-    ),
-    "nothing for an entry": (
-        "models: [~]",
-        lambda r: r.get_sections("models", nothing),
-        "1: models[0]: expected a map, found nothing",
-    ),
-    "a long value": (
-        f"mass: {'x' * 100}",
-        lambda r: r.get_float("mass"),
-        f'1: mass: expected a number, found "{"x" * 56}...',
-    ),
-    "a required key with nothing": (
-        "mass:",
-        lambda r: r.get_float("mass"),
-        '1: the required key "mass" has no value',
-    ),
-}
+    ("3", lambda r: r.get_points("v", 3, 8), "expected a list of 3 to 8 points [x, y], found 3"),
+]
 
 
 READINGS: Dict[str, Any] = {
@@ -105,11 +67,16 @@ READINGS: Dict[str, Any] = {
 }
 
 
-@pytest.mark.parametrize("case", WRONG_VALUES)
-def test_a_wrong_value_is_named_with_its_place(tmp_path, case):
-    text, getter, message = WRONG_VALUES[case]
+@pytest.mark.parametrize(("text", "getter", "message"), WRONG_VALUES)
+def test_a_wrong_value_is_named_with_its_place(tmp_path, text, getter, message):
+    assert refusal(tmp_path, f"v: {text}", getter) == f"file.yaml:1: v: {message}"
 
-    assert refusal(tmp_path, text, getter) == f"file.yaml:{message}"
+
+def test_a_key_or_an_entry_without_a_value_is_named(tmp_path):
+    message = refusal(tmp_path, "mass:", lambda r: r.get_float("mass"))
+    assert message == 'file.yaml:1: the required key "mass" has no value'
+    message = refusal(tmp_path, "models: [~]", lambda r: r.get_sections("models", nothing))
+    assert message == "file.yaml:1: models[0]: expected a map, found nothing"
 
 
 @pytest.mark.parametrize(
