@@ -12,37 +12,19 @@ DRIVE = "type: DiffDrive, name: drive, body: base"
 
 def test_noise_has_the_configured_variances_about_the_truth(files):
     pose_noise, twist_noise = [0.04, 0.01, 0.0025], [0.09, 0.0004, 0.16]
-    robot = files.robot(
-        f"{DRIVE}, odom_pose_noise: {pose_noise}, odom_twist_noise: {twist_noise}",
-        pose="[3, -2, 1]",
-        seed=7,
-    )
+    noise = f"odom_pose_noise: {pose_noise}, odom_twist_noise: {twist_noise}"
+    robot = files.robot(f"{DRIVE}, {noise}", pose="[3, -2, 1]", seed=7)
 
     messages = robot.record(FILTERED, 10.0)
 
     noise = np.array([[*pose_of(m), *twist_of(m)] for m in messages]) - [3, -2, 1, 0, 0, 0]
     assert len(noise) == 2000
     assert_white(noise, [*pose_noise, *twist_noise])
-
-
-def test_ground_truth_has_no_noise(files):
-    noise = "odom_pose_noise: [1, 1, 1], odom_twist_noise: [1, 1, 1]"
-    robot = files.robot(f"{DRIVE}, {noise}", pose="[3, -2, 1]").run()
-
     truth = robot.last(GROUND_TRUTH)
-
-    assert pose_of(truth) == pytest.approx((3.0, -2.0, 1.0), abs=1e-6)
-    assert twist_of(truth) == (0.0, 0.0, 0.0)
-
-
-def test_covariances_default_to_variances_on_the_diagonal(files):
-    robot = files.robot(f"{DRIVE}, odom_pose_noise: [1, 2, 3], odom_twist_noise: [4, 5, 6]").run()
-
-    # x, y, z, roll, pitch, yaw
-    for topic in (FILTERED, GROUND_TRUTH):
-        message = robot.last(topic)
-        assert list(message.pose.covariance) == np.diag([1.0, 2, 0, 0, 0, 3]).ravel().tolist()
-        assert list(message.twist.covariance) == np.diag([4.0, 5, 0, 0, 0, 6]).ravel().tolist()
+    assert (*pose_of(truth), *twist_of(truth)) == pytest.approx((3, -2, 1, 0, 0, 0), abs=1e-6)
+    for message in (truth, messages[-1]):
+        for part, (x, y, yaw) in ((message.pose, pose_noise), (message.twist, twist_noise)):
+            assert list(part.covariance) == np.diag([x, y, 0, 0, 0, yaw]).ravel().tolist()
 
 
 def test_given_covariances_are_sent_as_they_are(files):
@@ -54,17 +36,6 @@ def test_given_covariances_are_sent_as_they_are(files):
 
     assert list(message.pose.covariance) == pose
     assert list(message.twist.covariance) == twist
-
-
-def test_the_transform_is_the_filtered_odometry(files):
-    robot = files.robot(f"{DRIVE}, odom_pose_noise: [1, 1, 1]", pose="[3, -2, 1]").drive(1.0, 1.0)
-
-    robot.run(0.5)
-
-    odometry, transform = robot.last(FILTERED), robot.transport.transforms["base"]
-    assert tuple(transform.pose) == pytest.approx(pose_of(odometry), abs=1e-9)
-    assert (transform.parent, transform.roll) == (odometry.header.frame_id, 0.0)
-    assert transform.nanoseconds == odometry.header.stamp.to_nsec()
 
 
 class BothForms(LocalTransport):
