@@ -88,7 +88,7 @@ def test_as_many_walls_are_added_as_asked_for_at_distinct_places(files, count, i
     ],
 )
 @pytest.mark.parametrize("wall", ["3 -1 3 1", "3 1 3 -1"])
-def test_the_side_is_that_of_the_robot_at_loading(files, simulate, pose, copy, wall):
+def test_the_side_is_that_of_the_robot_at_loading(files, pose, copy, wall):
     plugin = WALLS.replace("0.5", "1") + ", num_of_walls: 1"
 
     [found] = added(room(files, plugin, segments=(wall,), pose=pose), before=1)

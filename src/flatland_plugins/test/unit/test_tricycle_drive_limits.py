@@ -29,35 +29,28 @@ def steering(files, *keys: str) -> List[float]:
     return [steer_angle(robot.run()) for _ in range(700)]
 
 
+SPEED, ACCELERATION = "max_angular_velocity", "max_steer_acceleration"
+
+
 @pytest.mark.parametrize(
-    ("keys", "limits"),
+    ("deprecated", "new", "limits"),
     [
-        ("max_angular_velocity: 0.25", "velocity_limit: 0.25"),
-        ("max_steer_acceleration: 0.6", "acceleration_limit: 0.6, deceleration_limit: 0.6"),
+        (f"{SPEED}: 0.25", "", "velocity_limit: 0.25"),
+        (f"{SPEED}: 9", "velocity_limit: 0.25", "velocity_limit: 0.25"),
+        (f"{SPEED}: 0.25", "velocity_limit: 0", "velocity_limit: 0.25"),
+        (f"{ACCELERATION}: 0.6", "", "acceleration_limit: 0.6, deceleration_limit: 0.6"),
+        (f"{ACCELERATION}: 9", "acceleration_limit: 0.6", "acceleration_limit: 0.6"),
         (
-            "max_steer_acceleration: 0.2\n    angular_dynamics: {deceleration_limit: 0.4}",
-            "acceleration_limit: 0.2, deceleration_limit: 0.4",
-        ),
-        (
-            "max_steer_acceleration: 0.5\n    max_angular_velocity: 0.4",
-            "acceleration_limit: 0.5, velocity_limit: 0.4",
-        ),
-        (
-            "max_angular_velocity: 9\n    angular_dynamics: {velocity_limit: 0.25}",
-            "velocity_limit: 0.25",
-        ),
-        (
-            "max_steer_acceleration: 9\n    angular_dynamics: {acceleration_limit: 0.6}",
-            "acceleration_limit: 0.6",
-        ),
-        (
-            "max_angular_velocity: 0.25\n    angular_dynamics: {velocity_limit: 0}",
-            "velocity_limit: 0.25",
+            f"{ACCELERATION}: 0.2\n    {SPEED}: 0.4",
+            "deceleration_limit: 0.4",
+            "acceleration_limit: 0.2, deceleration_limit: 0.4, velocity_limit: 0.4",
         ),
     ],
 )
-def test_deprecated_limits_are_obeyed_unless_there_are_new_ones(files, keys, limits):
-    assert steering(files, keys) == steering(files, f"angular_dynamics: {{{limits}}}")
+def test_deprecated_limits_are_obeyed_unless_there_are_new_ones(files, deprecated, new, limits):
+    obeyed = steering(files, deprecated, f"angular_dynamics: {{{new}}}")
+
+    assert obeyed == steering(files, f"angular_dynamics: {{{limits}}}")
 
 
 def test_deprecated_limits_are_warned_of_where_they_stand(files, caplog):
