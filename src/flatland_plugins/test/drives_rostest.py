@@ -20,9 +20,8 @@ def odometry(name, truth, rate, frame, truth_frame, child):
     )
 
 
-FIRST = odometry(
-    "odometry/filtered", "odometry/ground_truth", 200.0, "odom", "map", "{ns}base_link"
-)
+FILTERED, TRUTH = "odometry/filtered", "odometry/ground_truth"
+FIRST = odometry(FILTERED, TRUTH, 200.0, "odom", "map", "{ns}base_link")
 SECOND = ("second/odometry", "second/truth", 25.0, "second_odom", "world")
 TWIST = Topic("twist", TwistWithCovarianceStamped, 200.0, "{ns}base_link")
 

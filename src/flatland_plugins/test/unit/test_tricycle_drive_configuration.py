@@ -27,12 +27,7 @@ ANCHOR = "expected the anchor on the wheel at its origin, found it at"
     ("key", "old", "new", "message"),
     [
         ("front_wheel_joint", ": front", ": left", "expected a revolute joint, found a weld joint"),
-        (
-            "front_wheel_joint",
-            ": front",
-            ": hub",
-            'joint of "base", found one of left_wheel and hub',
-        ),
+        ("front_wheel_joint", ": front", ": hub", '"base", found one of left_wheel and hub_cap'),
         ("front_wheel_joint", "base, anchor: [0, 0]", "base, anchor: [1, 2]", "found it at [1, 2]"),
         ("front_wheel_joint", "wheel, anchor: [0, 0]", "wheel, anchor: [1, 0]", f"{ANCHOR} [1, 0]"),
         ("rear_right_wheel_joint", ": right", ": hub", "expected a weld joint, found a revolute"),

@@ -10,8 +10,8 @@ from flatland_viz.error_text import error_text
     [
         ('ModelError: a model named "a" is already there', 'a model named "a" is already there'),
         (
-            "YamlError: a.yaml:3: unknown key\na.yaml:5: no number",
-            "a.yaml:3: unknown key\na.yaml:5: no number",
+            "YamlError: a.yaml:3: no key\na.yaml:5: no number",
+            "a.yaml:3: no key\na.yaml:5: no number",
         ),
         ("ValueError: YamlError: twice", "YamlError: twice"),
         ("robot.yaml:4: not YAML", "robot.yaml:4: not YAML"),
