@@ -114,36 +114,6 @@ def test_a_throttle_lets_less_through(client):
     assert [each for each in client.kept if each.get("topic") == "/odometry/filtered"] == []
 
 
-@pytest.mark.parametrize(
-    ("message", "expected"),
-    [
-        ("{", "expected JSON"),
-        ("[1]", "expected an object"),
-        ('{"op": "subscibe"}', 'did you mean "subscribe"'),
-        ('{"op": "subscribe", "topic": "a b"}', "expected a name as topic"),
-        ('{"op": "subscribe", "topic": "/scan", "type": "std_msgs/String"}', "LaserScan, not"),
-        ('{"op": "subscribe", "topic": "/scan", "throttle_rate": "x"}', "throttle_rate: expected"),
-        ('{"op": "advertise", "topic": "/x", "type": "no/Type"}', "there is no message type"),
-        ('{"op": "publish", "topic": "/cmd_vle", "msg": {}}', 'did you mean "/cmd_vel"'),
-        ('{"op": "publish", "topic": "/scan", "msg": {}}', "published by the simulation"),
-        ('{"op": "publish", "topic": "/cmd_vel", "msg": {"linaer": {}}}', 'mean "linear"'),
-        (
-            '{"op": "publish", "topic": "/cmd_vel", "msg": {"linear": {"x": "1"}}}',
-            "linear: geometry_msgs/Vector3: x: expected float64, found '1'",
-        ),
-        ('{"op": "fragment", "id": 1}', "num: expected a whole number"),
-        ('{"op": "set_level", "level": 3}', "level: expected"),
-    ],
-)
-def test_a_wrong_message_is_answered_and_the_client_stays(client, message, expected):
-    client.socket.send(message)
-
-    status = client.receive()
-    assert (status["op"], status["level"]) == ("status", "error")
-    assert expected in status["msg"]
-    assert client.call("/rosapi/nodes")["result"]
-
-
 def test_a_failed_call_says_why(client):
     assert "no service" in client.call("/nope")["values"]
     assert "expected int32" in client.call("/step", steps="x")["values"]

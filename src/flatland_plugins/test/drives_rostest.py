@@ -32,7 +32,9 @@ class Driving:
     subscribed = ("cmd_vel", "second/cmd_vel")
     command = second_command = (0.0, 0.0, 0.0)  # forwards [m/s], to the left [m/s], turn [rad/s]
     velocities = ()  # topics of odometry, and the velocities that the commands lead to
-    sent = (("odometry/filtered", "{ns}base_link"),)  # topics and frames of the same poses
+    odometry_frames = (
+        ("odometry/filtered", "{ns}base_link"),
+    )  # of the same poses
     frames = (Frame("odom", "{ns}base_link"),)
 
     @classmethod
@@ -51,7 +53,7 @@ class Driving:
 
     def test_odometry_and_tf_agree(self):
         for robot in self.robots:
-            for topic, frame in self.sent:
+            for topic, frame in self.odometry_frames:
                 odometry = self.recorder_of(robot, topic).next()
                 transform = self.transform(robot, frame, odometry.header.stamp)
                 self.assert_pose(pose_of(transform), pose_of(odometry.pose.pose), delta=1e-9)
@@ -74,7 +76,7 @@ class OmniDrive(Driving, rostest_case.PluginCase):
     model = "omni_drive"
     published = (*FIRST, TWIST, *odometry(*SECOND, "{ns}second"))
     frames = (*Driving.frames, Frame("second_odom", "{ns}second", 25.0))
-    sent = (*Driving.sent, ("second/odometry", "{ns}second"))
+    odometry_frames = (*Driving.odometry_frames, ("second/odometry", "{ns}second"))
     command = (0.0, 0.05, 0.0)
     second_command = (0.3, 0.2, 0.5)
     velocities = (("odometry/ground_truth", command), ("second/truth", second_command))

@@ -9,10 +9,7 @@ from flatland_viz.error_text import error_text
     ("message", "text"),
     [
         ('ModelError: a model named "a" is already there', 'a model named "a" is already there'),
-        (
-            "YamlError: a.yaml:3: no key\na.yaml:5: no number",
-            "a.yaml:3: no key\na.yaml:5: no number",
-        ),
+        ("YamlError: a.yaml:3: no key\na.yaml:5: none", "a.yaml:3: no key\na.yaml:5: none"),
         ("ValueError: YamlError: twice", "YamlError: twice"),
         ("robot.yaml:4: not YAML", "robot.yaml:4: not YAML"),
         ("of an older server: ModelError: x", "of an older server: ModelError: x"),

@@ -19,9 +19,8 @@ def test_the_window_has_tools_and_a_view_from_above_and_no_displays_of_a_world()
     manager = config["Visualization Manager"]
     kinds = [[each["Class"] for each in manager[key]] for key in ("Displays", "Tools")]
     assert kinds[0] == ["rviz/Grid", "rviz/TF", "flatland_viz/Models"]
-    assert kinds[1] == [
-        f"flatland_viz/{t}" for t in ("Interact", "Measure", "SpawnModel", "PauseSim")
-    ]
+    tools = ("Interact", "Measure", "SpawnModel", "PauseSim")
+    assert kinds[1] == [f"flatland_viz/{tool}" for tool in tools]
     assert manager["Views"]["Current"]["Class"] == "flatland_viz/MapView"
     options = before["Visualization Manager"]["Global Options"]
     assert manager["Global Options"] == {**options, "Frame Rate": 12}
