@@ -202,7 +202,6 @@ def test_a_wrong_message_of_foxglove_is_answered_and_the_viewer_stays(server, me
 
     assert expected in viewer.receive_text("status")["message"]
     assert json.loads(viewer.call("/pause", "json", b"{}")) == {}
-    viewer.socket.close()
 
 
 @pytest.mark.parametrize(
@@ -251,6 +250,5 @@ def test_the_name_of_a_type_imports_no_module(server, client, trap, name):
     channel = {"id": 1, "topic": "/x", "encoding": "ros1", "schemaName": name}
     viewer.send(op="advertise", channels=[channel])
     assert "message type" in viewer.receive_text("status")["message"]
-    viewer.socket.close()
 
     assert list(trap.rglob("*.ran")) == []
