@@ -73,3 +73,15 @@ def test_without_subscribers_it_is_idle_and_misses_nothing(files, no_subscribers
     [collision] = robot.record("/collisions", 0.005)[0].collisions
     assert bump.forces == pytest.approx([0.0], abs=1e-3)
     assert vectors(collision.contact_positions) == list(bump.points)
+
+
+def test_a_later_subscriber_does_not_shift_the_publishing_times(files, no_subscribers):
+    bumper = f"{BUMPER}, update_rate: 10, publish_all_collisions: false"
+    robot = files.robot(bumper, transport=no_subscribers).run(0.75)
+
+    no_subscribers.set_subscribed_topics(["/collisions"])
+    messages = robot.record("/collisions", 0.4)
+
+    assert [m.header.stamp.to_nsec() for m in messages] == [
+        5_000_000 + 100_000_000 * i for i in range(8, 12)
+    ]
