@@ -32,9 +32,7 @@ class Driving:
     subscribed = ("cmd_vel", "second/cmd_vel")
     command = second_command = (0.0, 0.0, 0.0)  # forwards [m/s], to the left [m/s], turn [rad/s]
     velocities = ()  # topics of odometry, and the velocities that the commands lead to
-    odometry_frames = (
-        ("odometry/filtered", "{ns}base_link"),
-    )  # of the same poses
+    odometry_frames = (("odometry/filtered", "{ns}base_link"),)  # of the same poses
     frames = (Frame("odom", "{ns}base_link"),)
 
     @classmethod
