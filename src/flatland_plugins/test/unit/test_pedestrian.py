@@ -236,11 +236,7 @@ def test_files_for_other_simulators_are_run_with_their_keys(files, agent_states)
     [
         ("body: body, base_body: body", "", 'base_body: "body" and "base_body" are one key'),
         ("left_leg_body: leg", f"  - {{name: leg, footprints: [{LEG}]}}", '"right_leg_body" is mi'),
-        (
-            "body: post",
-            "  - {name: post, type: static, footprints: []}",
-            '"post", a static one',
-        ),
+        ("body: post", "  - {name: post, type: static, footprints: []}", '"post", a static one'),
         ("", LEGS.replace(LEG, f"{LEG}, {LEG}"), 'expected one footprint of "left_leg", found 2'),
     ],
 )

@@ -1,4 +1,4 @@
-"""Messages in a few words, for the side panel."""
+"""Texts of the window: messages in a few words, errors, and the page with its keys."""
 
 import math
 
@@ -9,6 +9,8 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan, NavSatFix
 from std_msgs.msg import Bool, String
 
+from flatland_viz.error_text import error_text
+from flatland_viz.keys_dialog import page
 from flatland_viz.topic_values import describe, velocity
 
 
@@ -42,3 +44,27 @@ def test_a_sideways_velocity_is_named_only_if_there_is_one():
     assert velocity(0.5, 0.0, -0.2) == "0.50 m/s, -0.20 rad/s"
     assert velocity(0.5, -0.25, 0.0) == "0.50 m/s, 0.25 m/s to the right, 0.00 rad/s"
     assert velocity(-0.001, 0.01, -0.001) == "0.00 m/s, 0.01 m/s to the left, 0.00 rad/s"
+
+
+@pytest.mark.parametrize(
+    ("message", "text"),
+    [
+        ('ModelError: a model named "a" is already there', 'a model named "a" is already there'),
+        ("YamlError: a.yaml:3: no key\na.yaml:5: none", "a.yaml:3: no key\na.yaml:5: none"),
+        ("ValueError: YamlError: twice", "YamlError: twice"),
+        ("robot.yaml:4: not YAML", "robot.yaml:4: not YAML"),
+        ("of an older server: ModelError: x", "of an older server: ModelError: x"),
+        ("", ""),
+    ],
+)
+def test_the_exception_class_is_left_out(message, text):
+    assert error_text(message) == text
+
+
+def test_tables_without_rows_are_left_out():
+    text = page([[("World", [("F5", "Reload <files>")]), ("Help", [])]])
+
+    assert "World" in text
+    assert "F5" in text
+    assert "Reload &lt;files&gt;" in text
+    assert "Help" not in text
