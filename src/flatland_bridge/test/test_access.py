@@ -99,15 +99,6 @@ def test_clients_save_states_only_where_they_may(world, client, tmp_path):
     assert (tmp_path / "a.state").is_file()
 
 
-def test_a_world_is_opened_by_its_name(client):
-    assert client.call("/open_world", path="office")["values"]["success"]
-    client.subscribed("/flatland_server/models")
-    names = []
-    while "turtlebot" not in names:  # the first list may be that of the former world
-        models = client.next_of("/flatland_server/models")["models"]
-        names = [model["name"] for model in models]
-
-
 def test_a_too_long_message_disconnects_its_client_alone(server, client):
     other = Client(server)
     other.socket.send(" " * 2_000_000)
