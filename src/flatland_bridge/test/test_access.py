@@ -1,7 +1,6 @@
 """Access to the bridge and to files, and the cost of slow and hostile clients."""
 
 import hashlib
-import json
 import socket
 import urllib.error
 import urllib.request
@@ -43,14 +42,16 @@ def test_scripts_of_other_pages_cannot_connect(world, origin, is_allowed, protoc
                 connect(url, origin=origin, **options)
 
 
-def test_without_the_token_nobody_connects(world):
-    with running(world, is_paused=True, access=Access(token="se/cret")) as server:
+@pytest.mark.parametrize("token", ["se/cret", "a b&c#d+é"])
+def test_without_the_token_nobody_connects(world, token):
+    with running(world, is_paused=True, access=Access(token=token)) as server:
         bare = f"ws://localhost:{server.clients.ports[ROSBRIDGE]}/"
         for url in (bare, f"{bare}?token=wrong", f"{bare}?token="):
             with pytest.raises(InvalidStatus, match="401"):
                 connect(url)
         connect(server.clients.url(ROSBRIDGE, "ws")).close()
-        connect(bare, additional_headers={"Authorization": "Bearer se/cret"}).close()
+        if token.isascii():
+            connect(bare, additional_headers={"Authorization": f"Bearer {token}"}).close()
 
 
 def test_only_this_machine_can_connect(server):
@@ -98,15 +99,6 @@ def test_clients_save_states_only_where_they_may(world, client, tmp_path):
     assert (tmp_path / "a.state").is_file()
 
 
-def test_a_world_is_opened_by_its_name(client):
-    assert client.call("/open_world", path="office")["values"]["success"]
-    client.subscribed("/flatland_server/models")
-    names = []
-    while "turtlebot" not in names:  # the first list may be that of the former world
-        models = client.next_of("/flatland_server/models")["models"]
-        names = [model["name"] for model in models]
-
-
 def test_a_too_long_message_disconnects_its_client_alone(server, client):
     other = Client(server)
     other.socket.send(" " * 2_000_000)
@@ -141,6 +133,7 @@ def test_a_stream_keeps_the_newest_messages():
 
 def digest(server, client):
     """A digest of the run: where the robot is after each of some steps."""
+    client.send("publish", topic="/cmd_vel", msg={"linear": {"x": 0.5}, "angular": {"z": 0.3}})
     result = hashlib.sha256()
     for _ in range(20):
         assert client.call("/step", steps=20)["values"]["success"]
@@ -151,41 +144,15 @@ def digest(server, client):
 
 def test_a_run_is_the_same_with_slow_stalled_and_dying_clients(world):
     with running(world, is_paused=True) as server:
-        client = Client(server)
-        client.send("publish", topic="/cmd_vel", msg={"linear": {"x": 0.5}, "angular": {"z": 0.3}})
-        alone = digest(server, client)
+        alone = digest(server, Client(server))
 
     with running(world, is_paused=True) as server:
-        client = Client(server)
-        client.send("publish", topic="/cmd_vel", msg={"linear": {"x": 0.5}, "angular": {"z": 0.3}})
-        others = [Client(server) for _ in range(4)]
+        client, *others = (Client(server) for _ in range(5))
         for each in others:
             for topic in client.call("/rosapi/topics")["values"]["topics"]:
                 each.subscribed(topic)
         others[0].socket.socket.close()  # dies without a word; the others never read
         assert digest(server, client) == alone
-
-
-def test_a_stalled_client_costs_bounded_memory(world):
-    """Its queues do not grow once the buffers are full."""
-    with running(world, is_paused=True) as server:
-        stalled = socket.create_connection(("127.0.0.1", server.clients.ports[ROSBRIDGE]))
-        key = "dGhlIHNhbXBsZSBub25jZQ=="
-        stalled.sendall(
-            f"GET / HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-            f"Sec-WebSocket-Key: {key}\r\nSec-WebSocket-Version: 13\r\n\r\n".encode()
-        )
-        stalled.recv(1000)
-        data = json.dumps({"op": "subscribe", "topic": "/scan", "id": "s"}).encode()
-        stalled.sendall(bytes([0x81, 0x80 | len(data), 0, 0, 0, 0]) + data)
-        client = Client(server)
-        while not server.graph._receivers.get("/scan"):
-            client.call("/rosapi/nodes")
-        [queue] = [each.__self__._waiting for each in server.graph._receivers["/scan"]]
-        for _ in range(15):
-            assert client.call("/step", steps=2000)["values"]["success"]
-        assert len(queue) == MOST_MESSAGES
-        stalled.close()
 
 
 @pytest.mark.parametrize(
@@ -210,11 +177,6 @@ def test_an_empty_token_is_refused(world, capsys):
         Access(token="")
     assert main(["serve", str(world), "--token", ""]) == 1
     assert "token: expected one character" in capsys.readouterr().err
-
-
-def test_any_token_is_in_the_address_as_it_can_be_used(world):
-    with running(world, is_paused=True, access=Access(token="a b&c#d+é")) as server:
-        connect(server.clients.url(ROSBRIDGE, "ws")).close()
 
 
 @pytest.mark.parametrize("with_states", [False, True])

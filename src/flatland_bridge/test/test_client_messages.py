@@ -6,7 +6,8 @@ import tracemalloc
 
 import cbor2
 import pytest
-from bridge_clients import Client, foxglove
+from bridge_clients import Client
+from test_foxglove import Viewer
 
 from flatland_bridge.graph import BridgeError
 from flatland_bridge.rosbridge_form import publisher
@@ -15,8 +16,6 @@ from flatland_server import messages
 
 HUGE = b"\xc4\x82\x1a\x00\x0f\x42\x40\x01"
 """1e1000000 as CBOR's decimal fraction."""
-MOST_OTHERS = 100
-"""Messages of other kinds before a test gives up; the time comes five times a second."""
 CYCLE = b"\xd8\x1c\x81\xd8\x1d\x00"
 """A list that contains itself, as CBOR."""
 
@@ -71,12 +70,22 @@ INFINITE, NAN = float("inf"), float("nan")
         ({"op": "fragment", "id": 1, "num": 3, "total": 2, "data": ""}, "num: expected less"),
         ({"op": "fragment", "id": 1, "num": 0, "total": 1, "data": 7}, "data: expected text"),
         ({"op": "advertise", "topic": "/x", "type": 7}, "expected the name of a type"),
+        ("{", "expected JSON"),
+        ("[1]", "expected an object"),
+        ({"op": "subscibe"}, 'did you mean "subscribe"'),
+        ({"op": "subscribe", "topic": "a b"}, "expected a name as topic"),
+        ({**SCAN, "type": "std_msgs/String"}, "LaserScan, not"),
+        ({**SCAN, "throttle_rate": "x"}, "throttle_rate: expected"),
+        ({"op": "advertise", "topic": "/x", "type": "no/Type"}, "there is no message type"),
+        ({"op": "publish", "topic": "/cmd_vle", "msg": {}}, 'did you mean "/cmd_vel"'),
+        ({"op": "publish", "topic": "/scan", "msg": {}}, "published by the simulation"),
+        ({"op": "publish", "topic": "/cmd_vel", "msg": {"linaer": {}}}, 'mean "linear"'),
+        ({"op": "publish", "topic": "/cmd_vel", "msg": {"linear": {"x": "1"}}}, "x: expected flo"),
+        ({"op": "fragment", "id": 1}, "num: expected a whole number"),
+        ({"op": "set_level", "level": 3}, "level: expected"),
     ],
 )
-def test_a_wrong_field_is_answered(client, message, expected):
-    if isinstance(message, dict):
-        message = json.dumps(message)
-
+def test_a_wrong_message_is_answered_and_the_client_stays(client, message, expected):
     assert expected in answered(client, message)
 
 
@@ -179,31 +188,20 @@ def test_bytes_of_one_client_reach_another_as_text(server, client):
         ({"op": "unadvertise", "channelIds": [1e300]}, "channelIds: expected a whole number"),
         ({"op": "advertise", "channels": [{"id": "x" * 99}]}, "id: expected a whole number"),
         ({"op": "advertise", "channels": [{"id": 1, "topic": {}}]}, "expected a name as topic"),
+        ({"op": "subscribe", "subscriptions": [{"id": 1, "channelId": 9999}]}, "no channel 9999"),
+        ({"op": "fetch"}, "there is no operation"),
         pytest.param("[" * 900 + "]" * 900, "expected JSON: expected 100 levels", id="deep"),
+        ("{", "expected JSON"),
+        (b"\x01\x09\x00\x00\x00abc", "channel 9 is not advertised"),
+        (b"\x01", "does not follow the protocol"),
     ],
 )
-def test_a_wrong_field_of_foxglove_is_answered(server, message, expected):
-    with foxglove(server, "foxglove.sdk.v1") as socket:
-        socket.send(message if isinstance(message, str) else json.dumps(message))
+def test_a_wrong_message_of_foxglove_is_answered_and_the_viewer_stays(server, message, expected):
+    viewer = Viewer(server)
+    viewer.socket.send(message if isinstance(message, (str, bytes)) else json.dumps(message))
 
-        assert expected in text_of(socket, "status")["message"]
-
-
-def text_of(socket, op):
-    """The next message of a kind."""
-    for _ in range(MOST_OTHERS):
-        data = socket.recv(timeout=20)
-        if isinstance(data, str) and json.loads(data)["op"] == op:
-            return json.loads(data)
-    raise AssertionError(f"no {op} came")
-
-
-def request(socket, name, payload):
-    """Calls a service by ROS's own bytes; returns the reason of its failure."""
-    services = text_of(socket, "advertiseServices")["services"]
-    number = next(each["id"] for each in services if each["name"] == name)
-    socket.send(struct.pack("<BIII", 2, number, 7, 4) + b"ros1" + payload)
-    return text_of(socket, "serviceCallFailure")["message"]
+    assert expected in viewer.receive_text("status")["message"]
+    assert json.loads(viewer.call("/pause", "json", b"{}")) == {}
 
 
 @pytest.mark.parametrize(
@@ -216,13 +214,16 @@ def request(socket, name, payload):
     ],
 )
 def test_a_length_is_not_believed(server, service, payload, expected):
-    with foxglove(server, "foxglove.sdk.v1") as socket:
-        tracemalloc.start()
-        try:
-            assert expected in request(socket, service, payload)
-            assert tracemalloc.get_traced_memory()[1] < 5_000_000
-        finally:
-            tracemalloc.stop()
+    viewer = Viewer(server)
+    tracemalloc.start()
+    try:
+        number = viewer.services[service]["id"]
+        viewer.socket.send(struct.pack("<BIII", 2, number, 7, 4) + b"ros1" + payload)
+        assert expected in viewer.receive_text("serviceCallFailure")["message"]
+        assert tracemalloc.get_traced_memory()[1] < 5_000_000
+    finally:
+        tracemalloc.stop()
+        viewer.socket.close()
 
 
 @pytest.fixture
@@ -245,9 +246,9 @@ def test_the_name_of_a_type_imports_no_module(server, client, trap, name):
     client.send("subscribe", topic="/scan", type=name)
     for service in ("message_details", "service_request_details", "service_response_details"):
         assert not client.call(f"/rosapi/{service}", type=name)["result"]
-    with foxglove(server, "foxglove.sdk.v1") as socket:
-        channel = {"id": 1, "topic": "/x", "encoding": "ros1", "schemaName": name}
-        socket.send(json.dumps({"op": "advertise", "channels": [channel]}))
-        assert "message type" in text_of(socket, "status")["message"]
+    viewer = Viewer(server)
+    channel = {"id": 1, "topic": "/x", "encoding": "ros1", "schemaName": name}
+    viewer.send(op="advertise", channels=[channel])
+    assert "message type" in viewer.receive_text("status")["message"]
 
     assert list(trap.rglob("*.ran")) == []

@@ -116,24 +116,6 @@ def test_new_topics_are_announced(viewer):
     assert number in viewer.receive_text("unadvertise")["channelIds"]
 
 
-@pytest.mark.parametrize(
-    ("message", "expected"),
-    [
-        ("{", "expected JSON"),
-        ('{"op": "fetch"}', "there is no operation"),
-        ('{"op": "subscribe", "subscriptions": [{"id": 1, "channelId": 9999}]}', "no channel 9999"),
-        (b"\x01\x09\x00\x00\x00abc", "channel 9 is not advertised"),
-        (b"\x01", "does not follow the protocol"),
-    ],
-)
-def test_a_wrong_message_is_answered_and_the_viewer_stays(server, message, expected):
-    viewer = Viewer(server)
-    viewer.socket.send(message)
-
-    assert expected in viewer.receive_text("status")["message"]
-    assert json.loads(viewer.call("/pause", "json", b"{}")) == {}
-
-
 def test_a_client_of_another_protocol_is_refused(server):
     with pytest.raises(Exception, match="400"):
         foxglove(server, "other.v1")

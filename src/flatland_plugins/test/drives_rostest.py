@@ -12,12 +12,28 @@ from std_msgs.msg import Bool
 from waiting import wait_until
 
 
+def odometry(name, truth, rate, frame, truth_frame, child):
+    """The topics of odometry of a body."""
+    return (
+        Topic(name, Odometry, rate, frame, child),
+        Topic(truth, Odometry, rate, truth_frame, child),
+    )
+
+
+FILTERED, TRUTH = "odometry/filtered", "odometry/ground_truth"
+FIRST = odometry(FILTERED, TRUTH, 200.0, "odom", "map", "{ns}base_link")
+SECOND = ("second/odometry", "second/truth", 25.0, "second_odom", "world")
+TWIST = Topic("twist", TwistWithCovarianceStamped, 200.0, "{ns}base_link")
+
+
 class Driving:
     """With `PluginCase`: both bodies of both robots are driven all the time."""
 
     subscribed = ("cmd_vel", "second/cmd_vel")
     command = second_command = (0.0, 0.0, 0.0)  # forwards [m/s], to the left [m/s], turn [rad/s]
     velocities = ()  # topics of odometry, and the velocities that the commands lead to
+    odometry_frames = (("odometry/filtered", "{ns}base_link"),)  # of the same poses
+    frames = (Frame("odom", "{ns}base_link"),)
 
     @classmethod
     def get_going(cls):
@@ -33,62 +49,44 @@ class Driving:
                 for value, number in zip(found, expected):
                     self.assertAlmostEqual(value, number, delta=1e-3, msg=f"{name}: {found}")
 
-    def assert_odometry_and_tf_agree(self, topic, frame):
-        """Fails if a body's odometry is not the transform of the same time."""
+    def test_odometry_and_tf_agree(self):
         for robot in self.robots:
-            odometry = self.recorder_of(robot, topic).next()
-            transform = self.transform(robot, frame, odometry.header.stamp)
-            self.assert_pose(pose_of(transform), pose_of(odometry.pose.pose), delta=1e-9)
+            for topic, frame in self.odometry_frames:
+                odometry = self.recorder_of(robot, topic).next()
+                transform = self.transform(robot, frame, odometry.header.stamp)
+                self.assert_pose(pose_of(transform), pose_of(odometry.pose.pose), delta=1e-9)
 
 
 class DiffDrive(Driving, rostest_case.PluginCase):
     model = "diff_drive"
     published = (
-        Topic("odometry/filtered", Odometry, 200.0, "odom", "{ns}base_link"),
-        Topic("odometry/ground_truth", Odometry, 200.0, "map", "{ns}base_link"),
-        Topic("twist", TwistWithCovarianceStamped, 200.0, "{ns}base_link"),
-        Topic("second/odometry", Odometry, 25.0, "second_odom", "{ns}second"),
-        Topic("second/truth", Odometry, 25.0, "world", "{ns}second"),
+        *FIRST,
+        TWIST,
+        *odometry(*SECOND, "{ns}second"),
         Topic("second/twist", TwistWithCovarianceStamped, 25.0, "{ns}second"),
     )
-    frames = (Frame("odom", "{ns}base_link"),)
     command = (0.4, 0.0, 0.8)
     second_command = (-0.3, 5.0, 0.5)  # it cannot go to the left
     velocities = (("odometry/ground_truth", command),)
 
-    def test_odometry_and_tf_agree(self):
-        self.assert_odometry_and_tf_agree("odometry/filtered", "{ns}base_link")
-
 
 class OmniDrive(Driving, rostest_case.PluginCase):
     model = "omni_drive"
-    published = (
-        Topic("odometry/filtered", Odometry, 200.0, "odom", "{ns}base_link"),
-        Topic("odometry/ground_truth", Odometry, 200.0, "map", "{ns}base_link"),
-        Topic("twist", TwistWithCovarianceStamped, 200.0, "{ns}base_link"),
-        Topic("second/odometry", Odometry, 25.0, "second_odom", "{ns}second"),
-        Topic("second/truth", Odometry, 25.0, "world", "{ns}second"),
-    )
-    frames = (Frame("odom", "{ns}base_link"), Frame("second_odom", "{ns}second", 25.0))
+    published = (*FIRST, TWIST, *odometry(*SECOND, "{ns}second"))
+    frames = (*Driving.frames, Frame("second_odom", "{ns}second", 25.0))
+    odometry_frames = (*Driving.odometry_frames, ("second/odometry", "{ns}second"))
     command = (0.0, 0.05, 0.0)
     second_command = (0.3, 0.2, 0.5)
     velocities = (("odometry/ground_truth", command), ("second/truth", second_command))
-
-    def test_odometry_and_tf_agree(self):
-        self.assert_odometry_and_tf_agree("odometry/filtered", "{ns}base_link")
-        self.assert_odometry_and_tf_agree("second/odometry", "{ns}second")
 
 
 class TricycleDrive(Driving, rostest_case.PluginCase):
     model = "tricycle_drive"
     published = (
-        Topic("odometry/filtered", Odometry, 200.0, "odom", "{ns}base_link"),
-        Topic("odometry/ground_truth", Odometry, 200.0, "map", "{ns}base_link"),
-        Topic("second/odometry", Odometry, 25.0, "second_odom", "{ns}base_2"),
-        Topic("second/truth", Odometry, 25.0, "world", "{ns}base_2"),
+        *FIRST,
+        *odometry(*SECOND, "{ns}base_2"),
         Topic("second/twist", TwistWithCovarianceStamped, 25.0, "{ns}base_2"),
     )
-    frames = (Frame("odom", "{ns}base_link"),)
     command = (0.4, 0.0, 0.6)  # of the front wheel: its speed and its angle
     second_command = (-0.3, 0.0, -0.3)
     # The front wheel moves where it points, and the rear axle is 0.5 m behind it.
@@ -96,9 +94,6 @@ class TricycleDrive(Driving, rostest_case.PluginCase):
         (name, (v * math.cos(a), v * math.sin(a), v * math.sin(a) / 0.5))
         for name, v, a in (("odometry/ground_truth", 0.4, 0.6), ("second/truth", -0.3, -0.3))
     )
-
-    def test_odometry_and_tf_agree(self):
-        self.assert_odometry_and_tf_agree("odometry/filtered", "{ns}base_link")
 
 
 class ModelTfPublisher(rostest_case.PluginCase):
@@ -119,26 +114,16 @@ class Tween(rostest_case.PluginCase):
         Frame("{ns}base", "{ns}second_gate"),
     )
 
-    def expected(self, robot, start, delta):
-        """A body's pose on the base, when it has gone by a delta of the world's frame."""
-        x, y = turned(delta[:2], -robot.yaw)
-        return start[0] + x, start[1] + y, start[2] + delta[2]
-
     def test_gates_open_and_close_when_commanded(self):
-        gates = [
-            (robot, *gate)
-            for robot in self.robots
-            for gate in (
-                ("tween_trigger", "{ns}gate", 1.0),
-                ("second_gate/open", "{ns}second_gate", 2.0),
-            )
-        ]
+        first = ("tween_trigger", "{ns}gate", 1.0)
+        second = ("second_gate/open", "{ns}second_gate", 2.0)
+        gates = [(robot, *gate) for robot in self.robots for gate in (first, second)]
         self.turn_gates(gates, True)
         self.turn_gates(gates, False)
 
     def gate(self, robot, x, part):
-        """A gate's pose on the base when it is open by a part."""
-        return self.expected(robot, (x, 0.0, 0.0), (0.0, 0.4 * part, 1.0 * part))
+        """A gate's pose on the base when it is open by a part, to the north of the world."""
+        return (*turned((0.0, 0.4 * part), -robot.yaw, (x, 0.0)), 1.0 * part)
 
     def turn_gates(self, gates, is_open):
         """Commands gates, and waits until all have turned."""

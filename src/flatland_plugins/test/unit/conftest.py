@@ -1,7 +1,7 @@
 """Shared by the unit tests of the plugins: a folder for worlds, and complete worlds."""
 
 from pathlib import Path
-from typing import Any, Callable, Dict, Tuple, Type
+from typing import Any, Callable, Dict, Tuple
 
 import hypothesis
 import pytest
@@ -34,12 +34,6 @@ def files(tmp_path: Path, loader: PluginLoader) -> WorldFiles:
 def no_subscribers() -> LocalTransport:
     """A transport without subscribers, until a test adds some."""
     return LocalTransport(subscribed_topics=())
-
-
-@pytest.fixture
-def simulate() -> Type[Harness]:
-    """Makes a `Harness` of a world."""
-    return Harness
 
 
 @pytest.fixture

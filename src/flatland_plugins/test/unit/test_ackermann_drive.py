@@ -58,12 +58,10 @@ def commonroad(numbers: Tuple[float, ...], wheelbase: float, acceleration: float
     dynamics = pytest.importorskip("vehiclemodels.vehicle_dynamics_st").vehicle_dynamics_st
     mass, inertia, rear, height, friction, stiffness, _ = numbers
     wide = SimpleNamespace(min=-9.0, max=9.0, v_min=-9.0, v_max=9.0)
-    parameters = SimpleNamespace(
-        tire=SimpleNamespace(p_dy1=friction, p_ky1=-friction * stiffness),
-        **{"a": wheelbase - rear, "b": rear, "h_s": height, "m": mass, "I_z": inertia},
-        steering=wide,
-        longitudinal=SimpleNamespace(v_switch=99.0, a_max=99.0, v_min=-99.0, v_max=99.0),
-    )
+    limits = SimpleNamespace(v_switch=99.0, a_max=99.0, v_min=-99.0, v_max=99.0)
+    tyre = SimpleNamespace(p_dy1=friction, p_ky1=-friction * stiffness)
+    car = {"a": wheelbase - rear, "b": rear, "h_s": height, "m": mass, "I_z": inertia}
+    parameters = SimpleNamespace(tire=tyre, steering=wide, longitudinal=limits, **car)
     state, time = [rear, *[0.0] * 6], 0.0
     ends = [*[each[0] for each in COMMANDS[1:]], END]
     for (_, speed, angle), end in zip(COMMANDS, ends):
@@ -77,26 +75,18 @@ def commonroad(numbers: Tuple[float, ...], wheelbase: float, acceleration: float
                     until = min(until, time + abs(way) / rate)
             if state[3] < 0.1 - 1e-9 and u[1] > 0.0:  # there the model is another one
                 until = min(until, time + (0.1 - state[3]) / u[1])
-            solution = solve_ivp(
-                lambda _, x, u=u: dynamics(x, u, parameters),
-                (time, until),
-                state,
-                method="DOP853",
-                rtol=1e-10,
-                atol=1e-12,
-            )
-            state, time = solution.y[:, -1].tolist(), until
+            precise = {"method": "DOP853", "rtol": 1e-10, "atol": 1e-12}
+            rates = lambda _, x, u=u: dynamics(x, u, parameters)  # noqa: E731
+            state = solve_ivp(rates, (time, until), state, **precise).y[:, -1].tolist()
+            time = until
     return state
 
 
-def ours(
-    numbers: Tuple[float, ...], wheelbase: float, acceleration: float, step: float
-) -> List[float]:
+def ours(numbers: Any, wheelbase: float, acceleration: float, step: float) -> List[float]:
     """The pose of the centre of mass at the end of the same commands."""
-    limits = (acceleration, acceleration, 0.0)
-    world, body, drive = car(
-        numbers, wheelbase, linear_limits=limits, steering_limits=(0.0, 0.0, STEERING_RATE)
-    )
+    limits = {"linear_limits": (acceleration, acceleration, 0.0)}
+    limits["steering_limits"] = (0.0, 0.0, STEERING_RATE)
+    world, body, drive = car(numbers, wheelbase, **limits)
     commands = list(COMMANDS)
     for count in range(round(END / step)):
         if commands and count >= round(commands[0][0] / step):
@@ -198,11 +188,8 @@ def racecar(files: Any, *keys: str, namespace: str = "") -> Any:
 
 
 def drive_message(speed: float, angle: float, **limits: float) -> Any:
-    message = Stamped()
-    message.drive.speed, message.drive.steering_angle = speed, angle
-    for name, value in limits.items():
-        setattr(message.drive, name, value)
-    return message
+    drive_type = messages.get("ackermann_msgs/AckermannDrive")
+    return Stamped(drive=drive_type(speed=speed, steering_angle=angle, **limits))
 
 
 def core_of(robot: Any) -> Any:
@@ -211,14 +198,9 @@ def core_of(robot: Any) -> Any:
 
 @pytest.mark.parametrize("stamped", [True, False])
 def test_it_obeys_the_messages_of_ackermann_msgs(files, stamped):
-    robot = racecar(files, "ackermann_sub: /drive")
-    message = drive_message(1.0, 0.3)
-    if stamped:
-        robot.transport.send("/drive", message)
-    else:
-        robot.transport.send("/ackermann_drive", message.drive)
-
-    robot.run(2.0)
+    robot, message = racecar(files, "ackermann_sub: /drive"), drive_message(1.0, 0.3)
+    sent = ("/drive", message) if stamped else ("/ackermann_drive", message.drive)
+    robot.send(*sent).run(2.0)
 
     turned = 2.0 * math.tan(0.3) / 0.33
     radius = 2.0 / turned
@@ -277,9 +259,8 @@ def test_the_axes_of_its_wheels_meet_in_one_point(files, keys):
     robot.world.plugins_of("robot")["drive"].command(1.0, 0.4)
     robot.run(0.5)
 
-    base, left, right = (
-        robot.model().get_body(name).pose for name in ("base_link", "left", "right")
-    )
+    bodies = robot.model().bodies
+    base, left, right = (bodies[name].pose for name in ("base_link", "left", "right"))
     center = 0.33 / math.tan(0.4)
     for wheel, y in ((left, 0.12), (right, -0.12)):
         angle = math.remainder(wheel.yaw - base.yaw, math.tau)

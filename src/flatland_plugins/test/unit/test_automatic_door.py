@@ -1,56 +1,33 @@
 """A Tween triggered by a BoolSensor's topic: an automatic door, without ROS."""
 
 import pytest
+import yaml
 
 from flatland2d import PluginError, Simulation, SimulationBatch
 
-DOOR = {
-    "bodies": [
-        {
-            "name": "panel",
-            "type": "kinematic",
-            "footprints": [{"type": "circle", "radius": 0.2, "density": 1, "layers": []}],
-        },
-        {
-            "name": "sensor",
-            "type": "static",
-            "footprints": [{"type": "circle", "radius": 1, "density": 1, "sensor": True}],
-        },
-    ],
-    "plugins": [
-        {"type": "BoolSensor", "name": "s", "body": "sensor", "topic": "open", "update_rate": 10},
-        {
-            "type": "Tween",
-            "name": "t",
-            "body": "panel",
-            "mode": "trigger",
-            "trigger_topic": "open",
-            "delta": [0, 2, 0],
-            "duration": 0.5,
-        },
-    ],
-}
-ROBOT = {
-    "bodies": [{"name": "base", "footprints": [{"type": "circle", "radius": 0.1, "density": 1}]}],
-    "plugins": [
-        {"type": "DiffDrive", "name": "drive", "body": "base"},
-        {
-            "type": "Laser",
-            "name": "laser",
-            "body": "base",
-            "range": 5,
-            "angle": {"min": 0, "max": 1, "increment": 0.5},
-        },
-    ],
-}
-WORLD = {
-    "properties": {},
-    "layers": [],
-    "models": [
-        {"name": "door", "namespace": "d", "model": DOOR},
-        {"name": "robot", "pose": [-3, 0, 0], "model": ROBOT},
-    ],
-}
+WORLD = yaml.safe_load("""
+properties: {}
+layers: []
+models:
+- name: door
+  namespace: d
+  model:
+    bodies:
+    - {name: panel, type: kinematic, footprints: []}
+    - {name: sensor, type: static,
+       footprints: [{type: circle, radius: 1, density: 1, sensor: true}]}
+    plugins:
+    - {type: BoolSensor, name: s, body: sensor, topic: open, update_rate: 10}
+    - {type: Tween, name: t, body: panel, mode: trigger, trigger_topic: open, delta: [0, 2, 0],
+       duration: 0.5}
+- name: robot
+  pose: [-3, 0, 0]
+  model:
+    bodies: [{name: base, footprints: [{type: circle, radius: 0.1, density: 1}]}]
+    plugins:
+    - {type: DiffDrive, name: drive, body: base}
+    - {type: Laser, name: laser, body: base, range: 5, angle: {min: 0, max: 1, increment: 0.5}}
+""")
 
 
 def opening(simulation):

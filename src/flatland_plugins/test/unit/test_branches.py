@@ -1,7 +1,6 @@
 """States of batches and branches of a simulation: each goes on with the bits of the simulation."""
 
 import copy
-import multiprocessing
 import pickle
 
 import numpy as np
@@ -175,19 +174,6 @@ def test_a_mask_chooses_what_is_loaded(world_of):
         batch.load_states([], nobody)
 
 
-def test_a_state_loads_in_another_process(world_of):
-    world = world_of(noise="0.02")
-    with SimulationBatch(world, 2) as batch:
-        batch.step(np.full((2, 2), 1.0), 300)
-        states = batch.save_states()
-        expected = batch.step(np.full((2, 2), 0.7), 100)
-
-    with multiprocessing.get_context("fork").Pool(1) as pool:
-        found = pool.apply(run_on, (world, states))
-
-    assert all(np.array_equal(*each) for each in zip(found, expected))
-
-
 def test_several_robots_go_on_from_states(world_of):
     """In a batch, in a simulation and in its branches; one of them was commanded to stop."""
     world = world_content(world_of(noise="0.02"))
@@ -213,21 +199,8 @@ def test_several_robots_go_on_from_states(world_of):
                     assert (array == of_all[2]).all()
 
 
-def run_on(world, states):
-    with SimulationBatch(world, 2) as batch:
-        batch.load_states(states)
-        return tuple(batch.step(np.full((2, 2), 0.7), 100))
-
-
-BOX = {
-    "bodies": [
-        {
-            "name": "body",
-            "footprints": [{"type": "circle", "radius": 0.15, "density": 5.0}],
-            "linear_damping": 2.0,
-        }
-    ]
-}
+DISC = {"type": "circle", "radius": 0.15, "density": 5.0}
+BOX = {"bodies": [{"name": "body", "footprints": [DISC], "linear_damping": 2.0}]}
 
 
 def test_branches_have_spawned_models_and_no_deleted_ones(world_of):

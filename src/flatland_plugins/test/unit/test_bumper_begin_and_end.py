@@ -104,7 +104,7 @@ def test_a_robot_that_is_moved_away_leaves_its_collisions_behind(files):
 
 
 @pytest.mark.parametrize("seconds", [1.0, 4.0])  # by then all is at rest, and asleep
-def test_a_model_that_is_deleted_collides_no_longer(files, seconds):
+def test_a_deleted_model_collides_no_longer_and_one_in_its_place_does(files, seconds):
     post = files.model("post", footprint=BOX, body="type: static,")
     robot = files.robot(BUMPER, others={"post": f"model: {post}, pose: [1, 0, 0]"})
     throw(robot, 1.0).run(seconds)
@@ -112,16 +112,7 @@ def test_a_model_that_is_deleted_collides_no_longer(files, seconds):
 
     robot.world.delete_model("post")
     robot.run()
-
     assert now(robot) == []
-
-
-def test_a_model_in_place_of_a_deleted_one_is_reported(files):
-    post = files.model("post", footprint=BOX, body="type: static,")
-    robot = files.robot(BUMPER, others={"post": f"model: {post}, pose: [1, 0, 0]"})
-    throw(robot, 1.0).run(1.0)
-
-    robot.world.delete_model("post")
     robot.world.spawn_model(files.folder / post, "pillar", "", Pose(1.0, 0.0, 0.0))
     press(robot, (1.0, 0.0), 0.5)
 

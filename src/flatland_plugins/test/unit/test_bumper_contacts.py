@@ -29,7 +29,7 @@ def test_at_a_wall_the_normal_points_into_the_wall(files, heading):
 @pytest.mark.parametrize("mine", [DISC, BOX])
 @pytest.mark.parametrize("others", [DISC, BOX])
 @pytest.mark.parametrize("is_first", [True, False])
-def test_normals_go_from_the_robot_to_the_other(files, mine: str, others: str, is_first: bool):
+def test_normals_go_from_the_robot_to_the_other(files, mine, others, is_first):
     # Box2D sorts the two by their shapes, and shapes of a kind by their age.
     obstacle = files.model("obstacle", footprint=others, body="type: static,")
     robot_file = files.model("robot", BUMPER, footprint=mine)
@@ -50,15 +50,12 @@ def test_normals_go_from_the_robot_to_the_other(files, mine: str, others: str, i
 
 
 def test_bodies_and_layers_are_named_as_in_their_files(files):
-    two_bodies = """
-        bodies:
-          - {name: base, footprints: [{type: circle, radius: 0.1, density: 1}]}
-          - {name: fender, pose: [0.5, 0, 0],
-             footprints: [{type: circle, radius: 0.1, density: 1}]}
-        joints:
-          - {type: weld, name: arm, bodies: [{name: base, anchor: [0.5, 0]},
-             {name: fender, anchor: [0, 0]}]}
-        plugins: [{type: Bumper, name: bumper}]
+    disc = "footprints: [{type: circle, radius: 0.1, density: 1}]"
+    weld = "[{name: base, anchor: [0.5, 0]}, {name: fender, anchor: [0, 0]}]"
+    two_bodies = f"""
+        bodies: [{{name: base, {disc}}}, {{name: fender, pose: [0.5, 0, 0], {disc}}}]
+        joints: [{{type: weld, name: arm, bodies: {weld}}}]
+        plugins: [{{{BUMPER}}}]
         """
     files.write("long.model.yaml", two_bodies)
     leaf = f"bodies: [{{name: leaf, type: static, footprints: [{DISC}]}}]"
@@ -115,9 +112,8 @@ def test_contacts_with_a_sensor_are_reported_without_points(files, mine, others)
     for message in touching:
         [collision] = message.collisions
         assert names(collision) == ("robot", "base", "post", "base")
-        assert collision.magnitude_forces == []
-        assert collision.contact_positions == []
-        assert collision.contact_normals == []
+        lists = collision.magnitude_forces, collision.contact_positions, collision.contact_normals
+        assert lists == ([], [], [])
 
 
 def test_a_body_resting_on_a_sensor_is_reported_until_it_leaves(files):

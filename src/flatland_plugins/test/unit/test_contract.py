@@ -23,10 +23,7 @@ NOISE: Dict[str, Any] = {
 }
 SLIP: Dict[str, Any] = {
     "odom_drift": {
-        "translation_per_metre": 0.1,
-        "translation_per_radian": 0.1,
-        "rotation_per_metre": 0.1,
-        "rotation_per_radian": 0.1,
+        **{f"{a}_per_{b}": 0.1 for a in ("translation", "rotation") for b in ("metre", "radian")},
         "per_second": [0, 0, 0],
     },
     "odom_frame_id": "~odom",
@@ -87,22 +84,9 @@ def robot_of(name: str) -> Dict[str, Any]:
     return samples.TRICYCLE if has_joints else {"bodies": samples.TRICYCLE["bodies"][:1]}
 
 
-@pytest.mark.parametrize("name", DECLARED)
-def test_it_keeps_the_contract(name):
-    others = OTHER_NAMES.get(name, ())
-    check_plugin(complete_entry(name), other_keys=others, model=robot_of(name))
+@pytest.mark.parametrize(("name", "keys"), [*((name, {}) for name in DECLARED), *VARIANTS])
+def test_it_keeps_the_contract(name, keys):
+    world = BESIDE_A_POST if keys and name in ("BoolSensor", "Bumper") else None
+    place = {"model": robot_of(name), "world": world, "files": {"post.yaml": POST}}
 
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "keys"), VARIANTS, ids=[name for name, _ in VARIANTS])
-def test_it_keeps_the_contract_otherwise_configured(name, keys):
-    entry = {**complete_entry(name), **keys}
-    world = BESIDE_A_POST if name in ("BoolSensor", "Bumper") else None
-
-    check_plugin(
-        entry,
-        other_keys=OTHER_NAMES.get(name, ()),
-        model=robot_of(name),
-        world=world,
-        files={"post.yaml": POST},
-    )
+    check_plugin({**complete_entry(name), **keys}, other_keys=OTHER_NAMES.get(name, ()), **place)

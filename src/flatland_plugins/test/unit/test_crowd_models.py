@@ -12,12 +12,15 @@ from flatland_server.simulation.world import World
 
 
 def test_people_are_models_named_after_their_crowd_or_themselves(town):
-    people = town("pose: [1, 2, 0.5]", "pose: [2, 3, 0], name: anna, legs: true", "pose: [5, 5, 0]")
+    anna = "pose: [2, 3, 0], name: anna, legs: true, radius: 0.35"
+    people = town("pose: [1, 2, 0.5]", anna, "pose: [5, 5, 0]")
 
     assert list(people.world.models) == ["people_0", "anna", "people_2"]
     assert people.model("people_0").pose == pytest.approx((1.0, 2.0, 0.5))
     assert list(people.model("people_0").bodies) == ["body"]
     assert list(people.model("anna").bodies) == ["body", "left_leg", "right_leg"]
+    masses = [people.model(name).base.physics_body.mass for name in people.world.models]
+    assert masses == pytest.approx([80.0] * 3, rel=1e-5)  # whatever their size
 
 
 def test_a_deleted_person_leaves_the_crowd_as_the_others_walk_on(town, caplog):
@@ -45,17 +48,8 @@ def test_a_model_that_takes_a_name_over_is_not_one_of_them(town, files):
 
     assert position(people) == pytest.approx((3.0, 0.0), abs=1e-6)
     assert people.last("/people/poses").poses == []
-
-
-def test_a_foreign_model_with_a_crowd_name_survives_the_crowd(town, files):
-    people = town("pose: [0, 0, 0]").run()
-
-    people.world.delete_model("people_0")
-    path = files.folder / files.model("guest")
-    people.world.spawn_model(path, "people_0", "", Pose(3.0, 0.0, 0.0))
     people.world.close()
-
-    assert list(people.world.models) == ["people_0"]
+    assert list(people.world.models) == ["people_0"]  # and stays when the crowd ends
 
 
 def test_a_moved_person_walks_on_from_there(town):

@@ -103,10 +103,9 @@ def test_the_states_are_those_of_the_joints(files):
     message = robot.last("/joint_states")
 
     hinge = robot.model().get_joint("elbow").physics_joint
-    assert list(message.name) == ["elbow"]
-    assert list(message.position) == [hinge.angle]
-    assert list(message.velocity) == [hinge.speed]
-    assert list(message.effort) == [hinge.motor_torque]
+    found = message.name, message.position, message.velocity, message.effort
+    expected = ["elbow"], [hinge.angle], [hinge.speed], [hinge.motor_torque]
+    assert tuple(map(list, found)) == expected
     assert message.velocity[0] == pytest.approx(0.5, abs=1e-3)
 
 
@@ -128,11 +127,8 @@ def test_wrong_keys_are_refused(files, keys, message):
 
 
 def test_states_keep_target_positions_and_batches_refuse_them(files):
-    world = files.write(
-        "world.yaml",
-        "properties: {}\nlayers: [{name: map}]\nmodels: [{name: robot, model: arm.model.yaml}]\n",
-    )
     arm(files, f"{TORQUE}, mode: position, max_velocity: 1").world.close()
+    world = files.folder / "world.yaml"
     with Simulation(world) as simulation, Simulation(world) as other:
         simulation.publish("motor/command", Float64(1.5))
         simulation.step(40)

@@ -59,30 +59,19 @@ def test_the_turtlebot_measures_the_test_room(empty_room, pose):
     assert scan.scan_time == pytest.approx(0.1)
 
 
-def test_the_lidar_sits_at_its_origin_on_the_body(files):
-    laser = LASER + ", origin: [0.5, -0.25, 1]"
-    robot = in_the_room(
-        files, laser, pose="[1, 2, 0.5]", footprint="{type: circle, radius: 0.01, density: 1}"
-    )
+@pytest.mark.parametrize("angle", [(-3, 3, 0.05), (2, -2, -0.1)])
+def test_the_lidar_sits_at_its_origin_on_the_body(files, angle):
+    laser = LASER.replace(ANGLES, "angle: {{min: {}, max: {}, increment: {}}}".format(*angle))
+    point = "{type: circle, radius: 0.01, density: 1}"
+    laser += ", origin: [0.5, -0.25, 1]"
+    robot = in_the_room(files, laser, pose="[1, 2, 0.5]", footprint=point)
 
     scan = robot.run().last("/scan")
 
-    x = 1 + 0.5 * math.cos(0.5) + 0.25 * math.sin(0.5)
-    y = 2 + 0.5 * math.sin(0.5) - 0.25 * math.cos(0.5)
+    x, y = Pose(1.0, 2.0, 0.5).apply(0.5, -0.25)
     expected = room_ranges((x, y, 1.5), beam_angles(scan))
     assert np.asarray(scan.ranges) == pytest.approx(expected, abs=1e-3)
-
-
-def test_angles_may_decrease(files):
-    clockwise = LASER.replace(ANGLES, "angle: {min: 2, max: -2, increment: -0.1}")
-    robot = in_the_room(files, clockwise, pose="[1, 2, 0.5]")
-
-    scan = robot.run().last("/scan")
-
-    angles = 2 - 0.1 * np.arange(41)
-    assert np.asarray(scan.ranges) == pytest.approx(room_ranges((1, 2, 0.5), angles), abs=1e-3)
-    assert (scan.angle_min, scan.angle_increment) == (2.0, -0.1)
-    assert scan.angle_max == pytest.approx(-2.0)
+    assert (scan.angle_min, scan.angle_max, scan.angle_increment) == pytest.approx(angle)
 
 
 def test_upside_down_the_scan_is_mirrored_and_the_frame_rolled(files):
@@ -132,7 +121,8 @@ def test_a_beam_without_a_return_has_the_chosen_range(files, word, value):
     usual = np.asarray(in_the_room(files, short).run().last("/scan").ranges)
     missed = np.isinf(usual)
 
-    by_key = in_the_room(files, f"{short}, no_return: {word}").run()
+    other = LocalTransport({"~no_return": "nan" if word == "max" else "max"})
+    by_key = in_the_room(files, f"{short}, no_return: {word}", transport=other).run()
     transport = LocalTransport({"~no_return": word})
     by_server = in_the_room(files, short, transport=transport).run()
 
@@ -143,35 +133,20 @@ def test_a_beam_without_a_return_has_the_chosen_range(files, word, value):
         assert (ranges[~missed] == usual[~missed]).all()
 
 
-def test_the_key_of_a_lidar_counts_before_the_servers(files):
-    transport = LocalTransport({"~no_return": "nan"})
-    key = "no_return: max"
-
-    scan = in_the_room(files, f"{LASER.replace('20', '1')}, {key}", transport=transport).run()
-
-    assert set(scan.last("/scan").ranges) == {1.0}
-
-
 @pytest.mark.parametrize(
     ("angle_min", "angle_max", "increment", "beams"),
     [
         pytest.param(-2.356194490192345, 2.356194490192345, 0.004363323129985824, 1081, id="270"),
-        pytest.param(-math.pi / 2, math.pi / 2, math.pi / 2, 3, id="three"),
-        pytest.param(2.0, -2.0, -0.1, 41, id="clockwise"),
         pytest.param(0.0, 1.0, 0.3, 4, id="the last one stays short of the end"),
         pytest.param(0.0, 1.0, 0.1, 11, id="0.1 is not a tenth in binary"),
-        pytest.param(1.0, 1.0, 0.1, 1, id="one"),
         pytest.param(1.0, 1.0, 0.0, 1, id="one without increment"),
         pytest.param(0.0, 1.0, 2.1, 1, id="increment far beyond the end"),
-        pytest.param(0.0, 55.27, 0.1, 554, id="552.7 steps"),
         pytest.param(0.0, 55.25, 0.1, 554, id="half a step is rounded upwards"),
         pytest.param(0.0, 55.24, 0.1, 553, id="552.4 steps"),
-        pytest.param(0.0, 1.0, -0.1, 0, id="the wrong way"),
-        pytest.param(1.0, 0.0, 0.1, 0, id="the wrong way back"),
+        pytest.param(1.0, 0.0, 0.1, 0, id="the wrong way"),
         pytest.param(0.0, 1.0, 0.0, 0, id="no increment"),
         # As `rostopic echo` or a datasheet writes them: pi / 180 and pi / 720 with six digits.
         pytest.param(-3.14159, 3.14159, 0.0174533, 361, id="360 rounded"),
-        pytest.param(-1.5708, 1.5708, 0.0174533, 181, id="180 rounded"),
         pytest.param(-2.35619, 2.35619, 0.00436332, 1081, id="270 rounded"),
     ],
 )

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 import pytest
-from test_branches import actions_of, assert_goes_on, drive, physics
+from test_branches import actions_of, assert_goes_on, assert_goes_on_alike, drive, physics
 
 from flatland2d import Simulation, SimulationBatch
 from flatland_server import BatchRole, ModelPlugin, PluginLoader
@@ -87,8 +87,7 @@ def test_states_branches_and_batches_have_what_a_program_has_set(world_of, name)
                 other.load_state(each)
                 assert rigging(other.models["robot"].model) != of_file
                 simulation.load_state(each)
-                for found, expected in zip(drive(other, 20), drive(simulation, 20)):
-                    assert all(map(np.array_equal, found, expected))
+                assert_goes_on_alike(other, simulation)
         simulation.reset()
         assert rigging(simulation.models["robot"].model) == of_file
 

@@ -1,10 +1,12 @@
 """ModelTfPublisher: the frames of a model's bodies."""
 
 import math
-from typing import Any, Dict, Tuple
+from typing import Any, Dict
 
 import pytest
 from logged import warnings
+
+from flatland_server.geometry import Pose
 
 TF = "type: ModelTfPublisher, name: tf"
 MODEL = """
@@ -31,18 +33,6 @@ def frames(simulation) -> Dict[str, str]:
     return {child: t.parent for child, t in simulation.transport.transforms.items()}
 
 
-def seen_from(
-    reference: Tuple[float, float, float], pose: Tuple[float, float, float]
-) -> Tuple[float, float, float]:
-    """A pose in the frame of another one, written out."""
-    dx, dy, yaw = pose[0] - reference[0], pose[1] - reference[1], reference[2]
-    return (
-        math.cos(yaw) * dx + math.sin(yaw) * dy,
-        -math.sin(yaw) * dx + math.cos(yaw) * dy,
-        pose[2] - yaw,
-    )
-
-
 @pytest.mark.parametrize("reference", ["base", "arm", "hand"])
 def test_bodies_are_placed_in_the_frame_of_the_reference(files, reference):
     robot = load(files, f"{TF}, reference: {reference}").run()
@@ -50,13 +40,9 @@ def test_bodies_are_placed_in_the_frame_of_the_reference(files, reference):
     children = {name for name in BODIES if name != reference}
     assert frames(robot) == dict.fromkeys(children, reference)
     for child in children:
-        expected = seen_from(BODIES[reference], BODIES[child])
+        expected = Pose(*BODIES[reference]).inverse().compose(Pose(*BODIES[child]))
         pose = robot.transport.transforms[child].pose
-        assert tuple(pose) == pytest.approx(expected, abs=1e-5)
-
-
-def test_the_reference_is_by_default_the_first_body(files):
-    assert frames(load(files, TF).run()) == {"arm": "base", "hand": "base"}
+        assert tuple(pose) == pytest.approx(tuple(expected), abs=1e-5)
 
 
 def test_the_world_is_the_parent_of_the_reference_if_asked_to(files):
@@ -69,13 +55,9 @@ def test_the_world_is_the_parent_of_the_reference_if_asked_to(files):
 
 def test_excluded_bodies_have_no_frame(files):
     assert frames(load(files, f"{TF}, exclude: [hand]").run()) == {"arm": "base"}
-    assert frames(load(files, f"{TF}, exclude: [arm, hand], publish_tf_world: true").run()) == {
-        "base": "map"
-    }
-    assert frames(load(files, f"{TF}, exclude: [base], publish_tf_world: true").run()) == {
-        "arm": "base",
-        "hand": "base",
-    }
+    world = f"{TF}, publish_tf_world: true, exclude: "
+    assert frames(load(files, f"{world}[arm, hand]").run()) == {"base": "map"}
+    assert frames(load(files, f"{world}[base]").run()) == {"arm": "base", "hand": "base"}
 
 
 def test_frames_follow_their_bodies(files):

@@ -1,11 +1,9 @@
 """PosePublisher: the pose of a body in the world, also by the keys of other simulators."""
 
-import math
-
 import pytest
 from logged import warnings
 
-from flatland_server import yaw_of
+from flatland_server import Pose, yaw_of
 
 MODEL = """
 bodies:
@@ -30,8 +28,7 @@ def test_the_pose_is_that_of_the_body_in_the_world(files):
 
     message = robot.last("/ns/pose")
 
-    x = 10 + math.cos(0.25) - 2 * math.sin(0.25)
-    y = 20 + math.sin(0.25) + 2 * math.cos(0.25)
+    x, y = Pose(10.0, 20.0, 0.25).apply(1.0, 2.0)
     assert pose_of(message) == pytest.approx((x, y, 0.75), abs=1e-5)
     assert message.header.frame_id == "map"
 

@@ -1,19 +1,13 @@
-"""Physics through a world: walls hold, boxes are pushed and come to rest."""
+"""Physics through a world: walls hold what is on their layers, and boxes are pushed."""
 
 import math
 
 import pytest
 
 DRIVE = "type: DiffDrive, name: drive, body: base"
+
+
 TURTLEBOT_RADIUS = 0.18
-
-
-def box(files, name: str, density: float, damping: float = 4.0) -> str:
-    """Writes a box of half a metre; returns its file."""
-    half = "[[-0.25, -0.25], [0.25, -0.25], [0.25, 0.25], [-0.25, 0.25]]"
-    footprint = f"{{type: polygon, points: {half}, density: {density}, friction: 0.3}}"
-    body = f"linear_damping: {damping}, angular_damping: {damping},"
-    return str(files.model(name, footprint=footprint, body=body))
 
 
 @pytest.mark.parametrize("heading", [2 * math.pi * i / 30 for i in range(30)])
@@ -35,31 +29,44 @@ def test_a_robot_at_2_metres_a_second_does_not_pass_a_wall(empty_room, heading):
         assert math.dist(robot.get_body(wheel).pose[:2], (x, y)) == pytest.approx(0.115, abs=0.01)
 
 
-def test_a_pushed_box_moves_ahead_of_the_robot(files):
-    parcel = box(files, "parcel", density=4)  # 1 kg
-    robot = files.robot(DRIVE, others={"parcel": f"model: {parcel}, pose: [1, 0, 0]"}).drive(0.5)
+@pytest.mark.parametrize(("density", "stops"), [(4, False), (4000, True)])  # 1 kg; a ton
+def test_a_box_is_pushed_and_one_against_a_wall_stops_the_robot(files, density, stops):
+    half = "[[-0.25, -0.25], [0.25, -0.25], [0.25, 0.25], [-0.25, 0.25]]"
+    footprint = f"{{type: polygon, points: {half}, density: {density}, friction: 0.3}}"
+    box = files.model("box", footprint=footprint, body="linear_damping: 4, angular_damping: 4,")
+    walls, others = ["2 -3 2 3"] if stops else [], {"box": f"model: {box}, pose: [1.75, 0, 0]"}
+    robot = files.robot(DRIVE, walls=walls, others=others).drive(0.5)
 
-    robot.run(4.0)
+    speeds = [robot.run(s).last("/odometry/ground_truth").twist.twist.linear.x for s in (1.0, 4.0)]
 
-    ahead = robot.model("parcel").pose.x - robot.model().pose.x
-    assert robot.model().pose.x > 1.0
-    assert ahead == pytest.approx(0.2 + 0.25, abs=0.02)
-    assert robot.model("parcel").pose[1:] == pytest.approx((0.0, 0.0), abs=0.05)
+    assert speeds == pytest.approx([0.5, 0.0 if stops else 0.5], abs=0.02)
+    at, pushed = robot.model().pose, robot.model("box").pose
+    assert pushed.x - at.x == pytest.approx(0.2 + 0.25, abs=0.02)
+    assert pushed[1:] == pytest.approx((0.0, 0.0), abs=0.05)
+    if stops:
+        assert pushed.x == pytest.approx(2.0 - 0.25, abs=0.03)
 
 
-def test_a_box_against_a_wall_stops_the_robot(files):
-    crate = box(files, "crate", density=4000)  # a ton
-    wall = f"name: walls, map: {files.walls('wall', '2 -3 2 3')}"
-    others = {"crate": f"model: {crate}, pose: [1.75, 0, 0]"}
-    robot = files.robot(DRIVE, layers=(wall,), others=others).drive(0.5)
+@pytest.mark.parametrize(
+    ("footprint", "stops"),
+    [
+        pytest.param("friction: 0", True, id="all layers by default"),
+        pytest.param("layers: all", True, id="all layers"),
+        pytest.param("layers: [walls]", True, id="the layer's"),
+        pytest.param("layers: walls", True, id="the layer's, as a text"),
+        pytest.param("layers: [bricks]", True, id="the layer's by its second name"),
+        pytest.param("layers: [other, walls]", True, id="the layer's and another"),
+        pytest.param("layers: [other]", False, id="another"),
+        pytest.param("layers: []", False, id="none"),
+        pytest.param("collision: false", False, id="collision switched off"),
+        pytest.param("sensor: true", False, id="a sensor"),
+    ],
+)
+def test_a_wall_stops_the_footprints_of_its_layers(files, footprint, stops):
+    layers = (f"name: [walls, bricks], map: {files.walls('wall', '2 -3 2 3')}", "name: other")
 
-    robot.run(1.0)
-    on_its_way = robot.last("/odometry/ground_truth").twist.twist.linear.x
-    robot.run(4.0)
-    at_the_box = robot.last("/odometry/ground_truth").twist.twist.linear.x
+    disc = f"{{type: circle, radius: 0.2, density: 10, {footprint}}}"
 
-    assert on_its_way == pytest.approx(0.5, abs=1e-3)
-    assert at_the_box == pytest.approx(0.0, abs=0.02)
-    crate_pose = robot.model("crate").pose
-    assert crate_pose.x == pytest.approx(2.0 - 0.25, abs=0.03)
-    assert robot.model().pose.x == pytest.approx(crate_pose.x - 0.25 - 0.2, abs=0.02)
+    robot = files.robot(DRIVE, footprint=disc, layers=layers).drive(1.0).run(4.0)
+
+    assert robot.model().pose.x == pytest.approx(1.8 if stops else 4.0, abs=0.02)

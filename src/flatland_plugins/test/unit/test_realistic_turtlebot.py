@@ -38,18 +38,14 @@ def test_its_body_is_that_of_the_perfect_one(office_with_it):
 
 
 def test_it_drives_within_its_limits(office_with_it, caplog):
-    office_with_it.drive(5.0, topic="/real/cmd_vel").run(0.1)
-    velocity = office_with_it.last("/real/odometry/ground_truth").twist.twist.linear.x
-    assert velocity == pytest.approx(0.1, abs=0.04)  # 1 m/s^2
+    speeds = []
+    for command, seconds in (((5.0,), 0.1), ((5.0,), 0.5), ((0.0, -5.0), 1.5)):
+        office_with_it.drive(*command, topic="/real/cmd_vel").run(seconds)
+        speeds.append(twist_of(office_with_it.last("/real/odometry/ground_truth")))
 
-    office_with_it.run(0.5)
-    assert twist_of(office_with_it.last("/real/odometry/ground_truth")) == pytest.approx(
-        (0.26, 0.0, 0.0), abs=1e-3
-    )
-    office_with_it.drive(0.0, -5.0, topic="/real/cmd_vel").run(1.5)
-    assert twist_of(office_with_it.last("/real/odometry/ground_truth")) == pytest.approx(
-        (0.0, 0.0, -1.82), abs=1e-3
-    )
+    assert speeds[0][0] == pytest.approx(0.1, abs=0.04)  # 1 m/s^2
+    assert speeds[1] == pytest.approx((0.26, 0.0, 0.0), abs=1e-3)
+    assert speeds[2] == pytest.approx((0.0, 0.0, -1.82), abs=1e-3)
     assert warnings(caplog) == []
 
 
@@ -67,9 +63,8 @@ def test_its_odometry_drifts_as_it_drives_and_not_as_it_stands(office_with_it):
 
 
 def test_its_messages_say_how_far_off_they_may_be(office_with_it):
-    odometry, twist = (
-        office_with_it.run(0.1).last(f"/real/{topic}") for topic in ("wheel_odom", "twist")
-    )
+    odometry = office_with_it.run(0.1).last(ODOMETRY)
+    twist = office_with_it.last("/real/twist")
 
     for covariance in (odometry.pose.covariance, odometry.twist.covariance):
         matrix = np.reshape(covariance, (6, 6))
@@ -105,12 +100,8 @@ def test_a_filter_drifts_less_with_the_gyroscope(files):
         run.run(0.05)
         wheels = [run.last(f"/{name}/wheel_odom") for name in names]
         imus = [run.last(f"/{name}/imu/data") for name in names]
-        rates = np.array(
-            [
-                [odometry.twist.twist.angular.z for odometry in wheels],
-                [imu.angular_velocity.z for imu in imus],
-            ]
-        )
+        by_wheels = [odometry.twist.twist.angular.z for odometry in wheels]
+        rates = np.array([by_wheels, [imu.angular_velocity.z for imu in imus]])
         # A Kalman filter of rates: the mean, weighted by their inverse variances.
         variances = wheels[0].twist.covariance[35], imus[0].angular_velocity_covariance[8]
         both = np.average(rates, axis=0, weights=np.reciprocal(variances))

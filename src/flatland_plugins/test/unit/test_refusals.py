@@ -54,11 +54,7 @@ REFUSED = [
     ("Tween", "delta: [1, 0, inf]", 'delta: expected [x, y, yaw], found [1, 0, "inf"]'),
     ("Tween", "duration: 0", f"duration: {POSITIVE} 0"),
     ("Tween", "duration: inf", 'duration: expected a finite number, found "inf"'),
-    (
-        "Tween",
-        "mode: trigered",
-        'mode: expected yoyo, once, loop or trigger (did you mean "trigger"',
-    ),
+    ("Tween", "mode: trigered", 'mode: expected yoyo, once, loop or trigger (did you mean "tri'),
     ("Tween", "easing: cubicInOutt", 'or bounceInOut (did you mean "cubicInOut"?), found'),
 ]
 
@@ -77,7 +73,5 @@ def test_a_value_out_of_bounds_is_refused_at_its_line(files, plugin, keys, messa
 def test_a_key_of_a_fork_is_refused_with_the_key_that_is_meant(files):
     entry = {**yaml.safe_load(f"{{{ENTRIES['Laser']}}}"), "flipped": True}
 
-    expected = (
-        'robot.model.yaml:5: plugins[0] "it": unknown key "flipped" (here it is "upside_down")'
-    )
-    assert files.robot_refusal(entry) == expected
+    refusal = files.robot_refusal(entry)
+    assert refusal.endswith('plugins[0] "it": unknown key "flipped" (here it is "upside_down")')

@@ -78,6 +78,7 @@ def test_subscribers_change_nothing_but_what_they_receive(make_town):
 
 def test_a_state_can_be_loaded_again_and_again(make_town):
     town = make_town().run(1.0)
+    assert town.simulation.world.plugins_without_state_hooks == []
     state = town.simulation.save_state()
     first = town.digest(1.0)
 
@@ -100,7 +101,3 @@ def test_after_a_reset_the_first_run_comes_again(first_run, make_town):
     assert make_town(seed=5).digest(1.2) == with_another_seed
     town.simulation.reset()
     assert town.digest(1.2) == with_another_seed
-
-
-def test_the_built_in_plugins_keep_their_state(make_town):
-    assert make_town().simulation.world.plugins_without_state_hooks == []

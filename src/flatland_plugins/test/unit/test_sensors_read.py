@@ -1,40 +1,25 @@
 """Sensors that are read return the content of their messages of the same time."""
 
-import math
-
 import numpy as np
 import pytest
+import yaml
 
 from flatland2d import Simulation, UsageError
 from flatland_server import quaternion
 from flatland_server.testing import WorldFiles
 
 DISC = {"type": "circle", "radius": 0.2, "density": 5}
-NOISE = {
-    "odom_pose_noise": [0.1, 0.1, 0.1],
-    "odom_twist_noise": [0.1, 0.1, 0.1],
-    "odom_drift": {"translation_per_metre": 0.01, "rotation_per_radian": 0.01},
-}
-PLUGINS = {
-    "drive": {"type": "DiffDrive", "body": "base", **NOISE},
-    "laser": {
-        "type": "Laser",
-        "body": "base",
-        "range": 9,
-        "noise_std_dev": 0.1,
-        "angle": {"min": -1, "max": 1, "increment": 0.5},
-    },
-    "imu": {
-        "type": "Imu",
-        "body": "base",
-        "orientation_noise": [0.1, 0.1, 0.1],
-        "angular_velocity_noise": [0.1, 0.1, 0.1],
-        "linear_acceleration_noise": [0.1, 0.1, 0.1],
-    },
-    "gps": {"type": "Gps", "body": "base", "ref_lat": 50, "update_rate": math.inf},
-    "bumper": {"type": "Bumper"},
-    "touch": {"type": "BoolSensor"},
-}
+PLUGINS = yaml.safe_load("""
+drive: {type: DiffDrive, body: base, odom_pose_noise: [.1, .1, .1], odom_twist_noise: [.1, .1, .1],
+  odom_drift: {translation_per_metre: 0.01, rotation_per_radian: 0.01}}
+laser: {type: Laser, body: base, range: 9, noise_std_dev: 0.1,
+  angle: {min: -1, max: 1, increment: 0.5}}
+imu: {type: Imu, body: base, orientation_noise: [.1, .1, .1], angular_velocity_noise: [.1, .1, .1],
+  linear_acceleration_noise: [.1, .1, .1]}
+gps: {type: Gps, body: base, ref_lat: 50, update_rate: inf}
+bumper: {type: Bumper}
+touch: {type: BoolSensor}
+""")
 
 
 @pytest.fixture
@@ -94,15 +79,10 @@ def of_fix(message):
 
 
 def of_collisions(message):
+    points = [[(point.x, point.y) for point in c.contact_positions] for c in message.collisions]
     return [
-        (
-            each.body_A,
-            each.entity_B,
-            each.body_B,
-            tuple((point.x, point.y) for point in each.contact_positions),
-            tuple(each.magnitude_forces),
-        )
-        for each in message.collisions
+        (each.body_A, each.entity_B, each.body_B, tuple(at), tuple(each.magnitude_forces))
+        for each, at in zip(message.collisions, points)
     ]
 
 
@@ -182,15 +162,9 @@ def test_a_laser_gives_ranges_as_floats_and_intensities(load):
 
 
 def test_the_acceleration_is_the_mean_since_the_last_reading(load):
-    plugins = {
-        "drive": {
-            "type": "DiffDrive",
-            "body": "base",
-            "linear_dynamics": {"acceleration_limit": 0.5},
-        },
-        "imu": {"type": "Imu", "body": "base"},
-    }
-    sim = load(plugins=plugins)
+    limits = {"acceleration_limit": 0.5}
+    drive = {"type": "DiffDrive", "body": "base", "linear_dynamics": limits}
+    sim = load(plugins={"drive": drive, "imu": {"type": "Imu", "body": "base"}})
     imu = sim.models["robot"].sensors["imu"]
     assert imu.read().linear_acceleration == (0.0, 0.0, 9.80665)
 
@@ -198,9 +172,8 @@ def test_the_acceleration_is_the_mean_since_the_last_reading(load):
         before = sim.models["robot"].velocity.vx
         sim.step(count)
         ax, _, _ = imu.read().linear_acceleration
-        assert ax == pytest.approx(
-            (sim.models["robot"].velocity.vx - before) / (count * 0.005), rel=1e-3
-        )
+        gained = sim.models["robot"].velocity.vx - before
+        assert ax == pytest.approx(gained / (count * 0.005), rel=1e-3)
         assert imu.read().linear_acceleration[0] == ax
     sim.move("robot", [-1, 0, 0])
     sim.step()

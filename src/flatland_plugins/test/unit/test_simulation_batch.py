@@ -9,7 +9,6 @@ from batch_world import WORLD
 from flatland2d import BatchObservation, FlatlandError, Simulation, SimulationBatch
 
 OFFICE = "office"
-SUBSTEPS = 20
 ROUNDS = 40
 RESET_AT = 25
 
@@ -25,7 +24,7 @@ def start(k):
     return np.array([-2 + 0.01 * k, -1.0 + 0.02 * k, 0.3 * k])
 
 
-def run_simulation(world, k, size):
+def run_simulation(world, k, size=2, substeps=20):
     """The observations of a Simulation with the commands and the seed of environment k."""
     rows = []
     with Simulation(world, seed=100 + k) as simulation:
@@ -37,20 +36,12 @@ def run_simulation(world, k, size):
                 simulation.move("robot", start(k))
             robot.command(*command)
             collided = False
-            for _ in range(SUBSTEPS):
+            for _ in range(substeps):
                 simulation.step()
                 collided |= any(touch_of_robot(each) for each in simulation.contacts)
-            rows.append(
-                (
-                    robot.sensors["laser"].read(),
-                    simulation.poses[index],
-                    simulation.velocities[index],
-                    np.array(robot.local_velocity),
-                    collided,
-                    simulation.time,
-                )
-            )
-    return [np.array([row[field] for row in rows]) for field in range(6)]
+            motion = simulation.poses[index], simulation.velocities[index], robot.local_velocity
+            rows.append((robot.sensors["laser"].read(), *motion, collided, simulation.time))
+    return [np.array(field) for field in zip(*rows)]
 
 
 def touch_of_robot(touch):
@@ -58,7 +49,7 @@ def touch_of_robot(touch):
     return "robot" in models and models != ("robot", "robot") and len(touch.points) > 0
 
 
-def run_batch(world, count, threads, size):
+def run_batch(world, count, threads, size=2, substeps=20):
     """The observations of a batch: arrays with a row for each round and environment."""
     observations = []
     is_even = np.arange(count) % 2 == 0
@@ -68,8 +59,8 @@ def run_batch(world, count, threads, size):
             if i == RESET_AT:
                 poses = np.stack([start(k) for k in range(count)])
                 batch.reset(is_even, seeds=np.arange(500, 500 + count), poses=poses)
-            observations.append(batch.step(actions[i], SUBSTEPS))
-    return [np.stack([each[field] for each in observations]) for field in range(6)]
+            observations.append(batch.step(actions[i], substeps))
+    return [np.stack(field) for field in zip(*observations)]
 
 
 def assert_are_simulations(found, expected):
@@ -83,7 +74,7 @@ def assert_are_simulations(found, expected):
 def noisy(world_of):
     """A world with noise, and the observations of Simulations as environments 0, 1, 6 and 63."""
     world = world_of(noise="0.02")
-    return world, {k: run_simulation(world, k, 2) for k in (0, 1, 6, 63)}
+    return world, {k: run_simulation(world, k) for k in (0, 1, 6, 63)}
 
 
 @pytest.mark.parametrize("threads", [1, 2, 4])
@@ -91,23 +82,12 @@ def noisy(world_of):
 def test_an_environment_equals_a_simulation_in_any_batch(noisy, count, threads):
     world, expected = noisy
 
-    found = run_batch(world, count, threads, 2)
+    found = run_batch(world, count, threads)
 
     assert_are_simulations(found, {k: rows for k, rows in expected.items() if k < count})
     if count > 1:
         assert found[4].any()
         assert not found[4].all()
-
-
-@pytest.mark.parametrize(
-    ("drive", "size"), [("AckermannDrive", 2), ("OmniDrive", 3), ("TricycleDrive", 2)]
-)
-def test_every_drive_is_that_of_a_simulation(world_of, drive, size):
-    world = world_of(drive)
-
-    found = run_batch(world, 3, 1, size)
-
-    assert_are_simulations(found, {k: run_simulation(world, k, size) for k in range(3)})
 
 
 CROWD = """
@@ -121,18 +101,6 @@ plugins:
 """
 
 
-@pytest.mark.parametrize("count", [1, 7])
-def test_a_crowd_is_that_of_a_simulation(world_of, monkeypatch, count):
-    """Updates of 13 Hz are due within calls of step, in each environment at other times."""
-    monkeypatch.setitem(globals(), "SUBSTEPS", 7)
-    world = world_of(noise="0.02", models=WORLD + CROWD)
-    expected = {k: run_simulation(world, k, 2) for k in {0, count // 2, count - 1}}
-
-    for threads in (1, 2, 4):
-        found = run_batch(world, count, threads, 2)
-        assert_are_simulations(found, expected)
-
-
 DRAWN = """
   - {type: Crowd, name: agents, motion: orca, pedestrians: [
       {pose: [-2.5, 0.6, 0], goals: [[2.5, 2]], group: a},
@@ -140,22 +108,62 @@ DRAWN = """
   - {type: Crowd, name: drawn, yields: 0.5, reaction_time: 0.2, field_of_view: 3, speed: 0.6,
      random: {count: 3, standing: 1, area: [[-2.5, -2.5], [2.5, 2.5]]}}
 """
-
-
 AFTER = """
   - {type: Crowd, name: later, pedestrians: [{pose: [2.5, -2.5, 0], goals: [[2.5, 2.5]]}]}
 """
+RECORDED = """
+  - {type: Crowd, name: recorded, legs: true, update_rate: 17,
+     recording: {file: people.csv, frame_rate: 25, start: [0, 0.3]}}
+"""
+MORE_WALLS = """
+  - {type: RandomWall, name: more, layer: map, num_of_walls: 2, wall_wall_dist: 0.4,
+     robot_name: robot}
+"""
+WALKERS = """  - {name: walker1, model: walker.yaml, pose: [-2, 1, 0]}
+  - {name: walker2, model: walker.yaml, pose: [-1.3, -2.4, 2]}
+"""
+WORLDS = {
+    "AckermannDrive": {"drive": "AckermannDrive"},
+    "OmniDrive": {"drive": "OmniDrive"},
+    "TricycleDrive": {"drive": "TricycleDrive"},
+    "crowds": {"models": WORLD + CROWD, "noise": "0.02"},
+    "drawn people": {"models": WORLD + CROWD + DRAWN},
+    "drawn people, then others": {"models": WORLD + CROWD + DRAWN + AFTER},
+    "recorded people": {"models": WORLD + CROWD + RECORDED},
+    "random walls": {"models": WORLD + CROWD + MORE_WALLS},
+    "pedestrians": {"models": WORLD + WALKERS, "noise": "0.02"},
+    "all": {"models": WORLD + WALKERS + CROWD + MORE_WALLS, "noise": "0.02"},
+}
 
 
-@pytest.mark.parametrize("after", ["", AFTER])
-def test_drawn_people_are_those_of_a_simulation(world_of, after):
-    world = world_of(models=WORLD + CROWD + DRAWN + after)
-    expected = {k: run_simulation(world, k, 2) for k in range(4)}
+@pytest.mark.parametrize("name", WORLDS)
+def test_every_plugin_acts_as_in_a_simulation(world_of, name):
+    """With calls of 7 steps, updates of crowds are due within them, at other times in each."""
+    world, size = world_of(**WORLDS[name]), 3 if name == "OmniDrive" else 2
+    substeps, count = (7, 7) if name == "crowds" else (20, 3)
+    expected = {k: run_simulation(world, k, size, substeps) for k in {0, count // 2, count - 1}}
 
-    for threads in (1, 2):
-        assert_are_simulations(run_batch(world, 4, threads, 2), expected)
-    with SimulationBatch(world, 2) as batch:
-        assert batch.worlds_differ == bool(after)  # a world for all takes half of the time
+    for threads in (1, 2, 4):
+        found = run_batch(world, count, threads, size, substeps)
+        assert_are_simulations(found, expected)
+
+
+@pytest.mark.parametrize("name", ["drawn people", "drawn people, then others"])
+def test_worlds_differ_only_where_they_have_to(world_of, name):
+    with SimulationBatch(world_of(**WORLDS[name]), 2) as batch:
+        assert batch.worlds_differ == ("others" in name)  # a world for all takes half of the time
+
+
+def test_each_environment_has_walls_of_its_seed(world_of):
+    with SimulationBatch(world_of(**WORLDS["random walls"]), 2, seed=7) as batch:
+        walls = [batch.added_walls(k) for k in range(2)]
+        assert [each.shape for each in walls] == [(2, 4)] * 2
+        assert not np.array_equal(*walls)
+        assert np.array_equal(batch.view(1).world.layers[0].segments[-2:], walls[1])
+        first = batch.observe()
+        batch.reset(seeds=8)
+        assert np.array_equal(batch.added_walls(0), walls[1])
+        assert np.array_equal(batch.observe().ranges[0], first.ranges[1])
 
 
 def test_people_without_room_are_told_as_in_a_simulation(world_of):
@@ -169,77 +177,11 @@ def test_people_without_room_are_told_as_in_a_simulation(world_of):
             return "room for" in str(error)
         return False
 
-    expected = [is_refused(k, lambda seed: Simulation(world, seed=seed).close()) for k in range(16)]
+    expected = [is_refused(k, lambda seed: Simulation(world, seed=seed).close()) for k in range(9)]
     with SimulationBatch(world, 1, seed=expected.index(False)) as batch:
-        found = [is_refused(k, lambda seed: batch.reset(seeds=seed)) for k in range(16)]
+        found = [is_refused(k, lambda seed: batch.reset(seeds=seed)) for k in range(9)]
     assert found == expected
     assert any(expected)
-
-
-RECORDED = """
-  - {type: Crowd, name: recorded, legs: true, update_rate: 17,
-     recording: {file: people.csv, frame_rate: 25, start: [0, 0.3]}}
-"""
-
-
-def test_recorded_people_are_those_of_a_simulation(world_of):
-    world = world_of(models=WORLD + CROWD + RECORDED)
-    expected = {k: run_simulation(world, k, 2) for k in range(4)}
-
-    for threads in (1, 2):
-        assert_are_simulations(run_batch(world, 4, threads, 2), expected)
-
-
-MORE_WALLS = """
-  - {type: RandomWall, name: more, layer: map, num_of_walls: 2, wall_wall_dist: 0.4,
-     robot_name: robot}
-"""
-
-
-def test_walls_that_differ_are_those_of_simulations(world_of):
-    world = world_of(models=WORLD + CROWD + MORE_WALLS)
-    expected = {k: run_simulation(world, k, 2) for k in range(3)}
-
-    for threads in (1, 2):
-        found = run_batch(world, 3, threads, 2)
-        assert_are_simulations(found, expected)
-    with SimulationBatch(world, 2, seed=7) as batch:
-        walls = [batch.added_walls(k) for k in range(2)]
-        assert [each.shape for each in walls] == [(2, 4)] * 2
-        assert not np.array_equal(*walls)
-        view = batch.view(1)
-        assert np.array_equal(view.world.layers[0].segments[-2:], walls[1])
-        first = batch.observe()
-        batch.reset(seeds=8)
-        assert np.array_equal(batch.added_walls(0), walls[1])
-        assert np.array_equal(batch.observe().ranges[0], first.ranges[1])
-
-
-WALKERS = """  - {name: walker1, model: walker.yaml, pose: [-2, 1, 0]}
-  - {name: walker2, model: walker.yaml, pose: [-1.3, -2.4, 2]}
-"""
-
-
-@pytest.mark.parametrize("plugins", ["", CROWD + MORE_WALLS], ids=["alone", "among others"])
-def test_pedestrians_are_those_of_a_simulation(world_of, plugins):
-    world = world_of(noise="0.02", models=WORLD + WALKERS + plugins)
-
-    found = run_batch(world, 3, 2, 2)
-
-    assert_are_simulations(found, {k: run_simulation(world, k, 2) for k in range(3)})
-
-
-def test_a_view_shows_the_people_of_its_environment(world_of):
-    world = world_of(models=WORLD + CROWD)
-    with SimulationBatch(world, 2, seed=7) as batch, Simulation(world, seed=8) as simulation:
-        batch.step(np.zeros((2, 2)), 300)
-        simulation.step(300)
-        people = simulation.models["people_0"].model
-        shown = batch.view(1).models["people_0"].model
-        assert [body.pose for body in shown.bodies.values()] == [
-            body.pose for body in people.bodies.values()
-        ]
-        assert math.dist(people.pose[:2], (2, 0)) > 0.5
 
 
 def test_an_office_is_that_of_a_simulation():
@@ -264,24 +206,23 @@ def test_scans_with_the_walls_of_a_cell_are_those_with_all(world_of):
     assert np.array_equal(first, last)
 
 
-def test_a_view_shows_an_environment(world_of):
+def test_a_view_shows_an_environment_and_its_people(world_of):
     actions = commands(5, 2)[:, None] * np.ones((3, 1))
-    with SimulationBatch(world_of(noise="0.02"), 3, seed=7) as batch:
-        for action in actions[:5]:
-            observation = batch.step(action, SUBSTEPS)
+    world = world_of(noise="0.02", models=WORLD + CROWD)
+    with SimulationBatch(world, 3, seed=7) as batch, Simulation(world, seed=8) as simulation:
+        for action in actions[:15]:
+            observation = batch.step(action, 20)
+            simulation.models["robot"].command(*action[1])
+            simulation.step(20)
         for k in (0, 2, 1):
             view = batch.view(k)
-            index = list(view.models).index("robot")
             robot = view.models["robot"]
-            assert np.array_equal(view.poses[index], observation.poses[k])
+            assert np.array_equal(robot.pose, observation.poses[k])
             assert np.array_equal(robot.sensors["laser"].read(), observation.ranges[k])
             assert view.time == observation.times[k]
-        with Simulation(world_of(noise="0.02"), seed=8) as simulation:
-            for action in actions[:5, 1]:
-                simulation.models["robot"].command(*action)
-                simulation.step(SUBSTEPS)
-            assert np.array_equal(view.poses, simulation.poses)
-            assert np.array_equal(view.render(sensors=True), simulation.render(sensors=True))
+        assert np.array_equal(view.poses, simulation.poses)
+        assert np.array_equal(view.render(sensors=True), simulation.render(sensors=True))
+        assert math.dist(view.models["people_0"].pose[:2], (2, 0)) > 0.5
 
 
 def test_environments_that_are_not_stepped_stay_as_they_are(world_of):

@@ -50,15 +50,10 @@ def run_simulation(world, k):
                         other = {touch.model_a, touch.model_b}
                         touched[number] |= name in other and len(other) > 1 and len(touch.points)
             index = [list(simulation.models).index(name) for name in ROBOTS]
-            rounds.append(
-                (
-                    np.array([model.sensors["laser"].read() for model in models]),
-                    simulation.poses[index],
-                    simulation.velocities[index],
-                    np.array([model.local_velocity for model in models]),
-                    touched,
-                )
-            )
+            ranges = np.array([model.sensors["laser"].read() for model in models])
+            local = np.array([model.local_velocity for model in models])
+            motion = simulation.poses[index], simulation.velocities[index], local
+            rounds.append((ranges, *motion, touched))
     return rounds
 
 

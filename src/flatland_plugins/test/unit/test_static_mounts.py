@@ -44,22 +44,14 @@ def test_all_mounts_are_in_one_message_and_none_on_tf():
 
 
 def test_static_mounts_are_in_the_transforms_of_a_simulation():
-    static = Simulation(robots("a", static_tf=True), topics=["/tf"])
-    sent = Simulation(robots("a"), topics=["/tf"])
-
-    for simulation in (static, sent):
-        lidar = simulation.step(2).transforms["a_lidar"]
-        assert (lidar.parent, lidar.child, lidar.roll) == ("a_base", "a_lidar", 0.0)
+    for static_tf in (True, False):
+        world = robots("a", static_tf=static_tf)
+        world["models"][0]["model"]["plugins"][0]["upside_down"] = True
+        lidar = Simulation(world, topics=["/tf"]).step(2).transforms["a_lidar"]
+        assert (lidar.parent, lidar.child, lidar.roll) == ("a_base", "a_lidar", math.pi)
         assert tuple(lidar.pose) == pytest.approx((1, 2, 0.5))
-
-
-def test_a_lidar_upside_down_is_rolled():
-    world = robots("a", static_tf=True)
-    world["models"][0]["model"]["plugins"][0]["upside_down"] = True
-
-    lidar = Simulation(world, topics=["/tf"]).transforms["a_lidar"]
-
-    assert (lidar.pose.yaw, lidar.roll) == pytest.approx((0.5, math.pi))
+    silent = Simulation(robots("a", static_tf=True, broadcast_tf=False), topics=["/tf"]).step()
+    assert silent.transforms == {}
 
 
 @pytest.mark.parametrize(
@@ -70,16 +62,9 @@ def test_the_key_counts_before_the_servers_parameter(keys, server, is_static):
     params = {"~static_tf": server}
     simulation = Simulation(robots("a", **keys), params=params, topics=["/tf"]).step()
 
-    assert set(simulation.transforms) == {f"a_{name}" for name in SENSORS}
-    assert set(simulation.transport.transforms) == (
-        set() if is_static else {f"a_{name}" for name in SENSORS}
-    )
-
-
-def test_without_broadcast_there_is_no_transform():
-    simulation = Simulation(robots("a", static_tf=True, broadcast_tf=False), topics=["/tf"]).step()
-
-    assert simulation.transforms == {}
+    names = {f"a_{name}" for name in SENSORS}
+    assert set(simulation.transforms) == names
+    assert set(simulation.transport.transforms) == (set() if is_static else names)
 
 
 def test_mounts_vanish_with_their_robot_and_return_by_reset():

@@ -31,10 +31,7 @@ class Pusher(ModelPlugin):
 class WatchedDrive(DiffDrive):
     """Overrides a hook: the core must not write its messages without it."""
 
-    calls = 0
-
     def before_physics_step(self, timekeeper):
-        self.calls += 1
         super().before_physics_step(timekeeper)
 
 
@@ -149,15 +146,11 @@ def test_the_core_writes_the_bytes_that_hooks_do(files, drive):
     assert by_core.sent == by_hooks.sent
 
 
-def test_a_derived_class_with_a_hook_of_its_own_is_called(files):
-    transport = run(files, True, "type: WatchedDrive")
+@pytest.mark.parametrize(
+    "drive", ["type: WatchedDrive", "type: DiffDrive, odom_pose_noise: [1, 1, 1]"]
+)
+def test_the_core_leaves_hooks_of_derived_classes_and_noise_to_the_hooks(files, drive):
+    transport = run(files, True, drive)
 
     assert transport.calls["odometry/filtered"] == 50
     assert len(transport.sent["odometry/filtered"]) > 50 * 700
-
-
-def test_noise_is_left_to_the_hooks(files):
-    noisy = "type: DiffDrive, odom_pose_noise: [1, 1, 1]"
-    transport = run(files, True, noisy)
-
-    assert transport.calls["odometry/filtered"] == 50

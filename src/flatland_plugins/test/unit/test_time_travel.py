@@ -101,18 +101,6 @@ def test_other_times_can_be_sought_until_the_run_continues(simulation):
     assert simulation.history.end == simulation.time == pytest.approx(3.005)
 
 
-def test_commands_of_the_past_are_in_the_new_run(simulation):
-    simulation.step(500)
-    simulation.seek(1.3)
-    simulation.models["robot"].command(1.0, 0.0)
-    simulation.step(300)
-    moved = simulation.poses
-
-    assert not simulation.seek(1.3).models["robot"].velocity.vx
-    assert (simulation.seek(2.8).poses == moved).all()
-    assert moved[0, 0] > 0.5
-
-
 def test_models_that_came_and_went_are_there_at_their_times(simulation):
     simulation.step(150)
     simulation.spawn(BOX, "box", (2, 0, 0))
@@ -288,9 +276,7 @@ def act(simulation, name, rng):
 @pytest.mark.parametrize("time", [-0.01, 2.51, np.nan, np.inf, "now", None])
 def test_a_time_that_the_history_does_not_have_is_refused(simulation, time):
     simulation.step(500)
-    with pytest.raises(
-        UsageError, match=r"expected a time from 0 to 2\.5 s, which the history has"
-    ):
+    with pytest.raises(UsageError, match=r"from 0 to 2\.5 s, which the history has"):
         simulation.seek(time)
     assert simulation.time == 2.5
 

@@ -20,9 +20,9 @@ def in_box2d(*pose: float) -> Tuple[float, ...]:
     return tuple(float(np.float32(value)) for value in pose)
 
 
-def position(simulation: Any, name: str = "robot") -> Tuple[float, ...]:
-    """The pose of a model's body in Box2D, whole revolutions included."""
-    return tuple(simulation.model(name).base.physics_body.pose)
+def position(simulation: Any) -> Tuple[float, ...]:
+    """The pose of the robot's body in Box2D, whole revolutions included."""
+    return tuple(simulation.model().base.physics_body.pose)
 
 
 def trigger(simulation: Any, forward: bool, topic: str = "/tween_trigger") -> None:
@@ -30,27 +30,22 @@ def trigger(simulation: Any, forward: bool, topic: str = "/tween_trigger") -> No
 
 
 @pytest.mark.parametrize(
-    ("mode", "ways"),
+    ("keys", "ways"),
     [
-        ("yoyo", [0.5, 1.0, 0.5, 0.0, 0.5]),
-        ("once", [0.5, 1.0, 1.0, 1.0, 1.0]),
-        ("loop", [0.5, 1.0, 0.5, 1.0, 0.5]),
-        ("trigger", [0.0, 0.0, 0.0, 0.0, 0.0]),
+        ("", [0.5, 1.0, 0.5, 0.0, 0.5]),  # yoyo, linear and one second
+        (", mode: yoyo", [0.5, 1.0, 0.5, 0.0, 0.5]),
+        (", mode: once", [0.5, 1.0, 1.0, 1.0, 1.0]),
+        (", mode: loop", [0.5, 1.0, 0.5, 1.0, 0.5]),
+        (", mode: trigger", [0.0, 0.0, 0.0, 0.0, 0.0]),
+        (", easing: quadraticIn", [0.25, 1.0]),
+        (", easing: backOut", [1 - 2.70158 * 0.5**3 + 1.70158 * 0.5**2, 1.0]),
     ],
 )
-def test_each_mode_goes_its_way(files, mode, ways):
-    robot = files.robot(f"{UNIT}, mode: {mode}")
+def test_each_mode_and_easing_goes_its_way(files, keys, ways):
+    robot = files.robot(f"{UNIT}{keys}, trigger_topic: open")
 
     assert [position(robot.run(0.5))[0] for _ in ways] == pytest.approx(ways, abs=1e-6)
-
-
-@pytest.mark.parametrize("easing", ["quadraticIn", "backOut"])
-def test_the_way_is_eased(files, easing):
-    eased = {"quadraticIn": 0.25, "backOut": 1 - 2.70158 * 0.5**3 + 1.70158 * 0.5**2}
-
-    robot = files.robot(f"{UNIT}, mode: once, easing: {easing}").run(0.5)
-
-    assert position(robot)[0] == pytest.approx(eased[easing], abs=1e-6)
+    assert robot.transport.subscribed == ({"/open"} if "trigger" in keys else set())
 
 
 def test_a_trigger_opens_turns_round_and_closes(files):
@@ -79,46 +74,23 @@ def test_the_documentations_example(files, heading):
     assert position(robot) == in_box2d(10.0, -20.0, heading)
 
 
-def test_defaults_are_yoyo_linear_and_one_second(files):
-    robot = files.robot(UNIT)
-
-    for expected in (0.25, 0.5, 0.75, 1.0, 0.75, 0.5, 0.25, 0.0, 0.25):
-        robot.run(0.25)
-        assert position(robot)[0] == pytest.approx(expected, abs=1e-7)
-
-
-@pytest.mark.parametrize("mode", ["yoyo", "once", "loop"])
-def test_only_mode_trigger_listens(files, mode):
-    robot = files.robot(f"{UNIT}, mode: {mode}, trigger_topic: open")
-
-    assert robot.transport.subscribed == set()
-
-
 @pytest.mark.parametrize("body_type", ["static", "kinematic", "dynamic"])
-def test_bodies_of_every_type_are_moved(files, body_type):
-    model = files.model("door", f"{TWEEN}, delta: [2, 3, 1.1]", body=f"type: {body_type},")
-    world = files.load_models({"door": f"model: {model}, pose: [1, 1, 1]"})
+@pytest.mark.parametrize("mode", ["yoyo", "once", "loop"])
+def test_bodies_are_moved_and_go_on_from_where_they_are_put(files, body_type, mode):
+    tween = f"{TWEEN}, mode: {mode}, delta: [2, 3, 1.1]"
+    model = files.model("door", tween, body=f"type: {body_type},")
+    world = files.load_models({"robot": f"model: {model}, pose: [1, 1, 1]"})
 
-    world.run(0.5)
-    halfway = position(world, "door")
-    world.run(0.5)
-
-    assert halfway == pytest.approx((2.0, 2.5, 1.55), abs=1e-6)
-    assert position(world, "door") == in_box2d(3.0, 4.0, 2.1)
+    assert position(world.run(0.25)) == pytest.approx((1.5, 1.75, 1.275), abs=1e-6)
+    world.world.move_model("robot", world.model().pose._replace(x=-5.0, y=7.0, yaw=2.0))
+    assert position(world) == in_box2d(-5.0, 7.0, 2.0)
+    assert position(world.run(0.75)) == pytest.approx((-3.5, 9.25, 2.825), abs=1e-6)
 
 
 def test_only_the_named_body_is_moved(files):
-    footprints = "footprints: [{type: circle, radius: 0.1, density: 1}]"
-    files.write(
-        "gate.yaml",
-        f"""
-        bodies:
-          - {{name: post, {footprints}}}
-          - {{name: wing, pose: [0, 1, 0], {footprints}}}
-        plugins:
-          - {{type: Tween, name: tween, body: wing, mode: once, delta: [2, 0, 0]}}
-        """,
-    )
+    bodies = "[{name: post, footprints: []}, {name: wing, pose: [0, 1, 0], footprints: []}]"
+    tween = "{type: Tween, name: tween, body: wing, mode: once, delta: [2, 0, 0]}"
+    files.write("gate.yaml", f"bodies: {bodies}\nplugins: [{tween}]")
     gate = files.load_models({"gate": "model: gate.yaml, pose: [5, 5, 3.14159]"}).run(2.0)
 
     bodies = gate.model("gate").bodies
@@ -150,16 +122,3 @@ def test_a_body_in_its_way_is_pushed_and_does_not_hold_it_up(files):
     # From here on there is no room for both.
     robot.run(0.3)
     assert position(robot) == in_box2d(0.8, 0.0, 0.0)
-
-
-@pytest.mark.parametrize("mode", ["yoyo", "once", "loop"])
-def test_a_model_that_is_moved_goes_on_from_there(files, mode):
-    robot = files.robot(f"{TWEEN}, mode: {mode}, delta: [2, 3, 1.1]")
-    pose = robot.model().pose
-
-    robot.run(0.25)
-    robot.world.move_model("robot", pose._replace(x=-5.0, y=7.0, yaw=2.0))
-    assert position(robot) == in_box2d(-5.0, 7.0, 2.0)
-    robot.run(0.75)
-
-    assert position(robot) == pytest.approx((-3.5, 9.25, 2.825), abs=1e-6)

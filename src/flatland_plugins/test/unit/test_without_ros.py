@@ -47,16 +47,8 @@ plugins: [{type: DummyWorldPlugin, name: dummy, dummy_param_string: dummy_test,
 
 def run_all(folder: Path) -> List[str]:
     """Runs worlds with every built-in plugin; digests of their messages."""
-    return [run_town(folder / "town"), *run_drives(folder / "drives")]
-
-
-def run_town(folder: Path) -> str:
-    folder.mkdir(parents=True)
-    return busy_town.Town(folder).digest(1.0)
-
-
-def run_drives(folder: Path) -> List[str]:
     folder.mkdir()
+    town = busy_town.Town(folder).digest(1.0)
     files = WorldFiles(folder)
     lift = forklift.forklift(files).drive(1.0, 0.5).run(1.0)
     files.write("robot.yaml", f"bodies: [{{name: base, footprints: []}}]\nplugins:{OTHERS}")
@@ -65,7 +57,7 @@ def run_drives(folder: Path) -> List[str]:
     car = files.load(WORLD).drive(1.0, 0.5).run(1.0)
     messages = [lift.last("/odometry/filtered"), lift.last("/twist"), omni.last("/slid")]
     messages += [car.last("/odometry/filtered"), car.last("/joint_states")]
-    return [busy_town.content_of(message).hex() for message in messages if message is not None]
+    return [town, *(busy_town.content_of(each).hex() for each in messages if each is not None)]
 
 
 def test_the_world_of_this_test_has_every_plugin():

@@ -14,6 +14,20 @@ TOWARDS_EACH_OTHER = (
 ROOM = ("-5 -3 5 -3", "5 -3 5 3", "5 3 -5 3", "-5 3 -5 -3")
 
 
+def two_crowds(town, files, keys: str) -> Any:
+    """Two people of two crowds, "people" and "others", who walk towards each other."""
+    town(TOWARDS_EACH_OTHER[0], keys=keys)
+    second = f"{{type: Crowd, name: others, {keys}, pedestrians: [{{{TOWARDS_EACH_OTHER[1]}}}]}}"
+    return files.load(f"{(files.folder / 'world.yaml').read_text()}\n  - {second}\n")
+
+
+def least_gap(path: np.ndarray) -> float:
+    """The least distance between any two people on their paths, between their bodies [m]."""
+    offsets = path[:, :, np.newaxis] - path[:, np.newaxis]
+    apart = np.linalg.norm(offsets, axis=-1) + np.where(np.eye(path.shape[1]), np.inf, 0.0)
+    return float(apart.min()) - 2 * RADIUS
+
+
 def robot(files, *plugins: str, pose: str = "[0, 0, 0]", **options: Any) -> Dict[str, str]:
     """A disc of 0.2 m, by default, for `town`."""
     return {"robot": f"model: {files.model('robot', *plugins, **options)}, pose: {pose}"}

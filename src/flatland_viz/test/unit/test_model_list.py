@@ -41,20 +41,15 @@ def test_a_robot_is_read():
     assert [topic.name for topic in sorted_topics(robot.topics)] == [*published, "/r2/cmd_vel"]
 
 
-def test_a_tricycle_steers():
-    robot = ModelInfo(name="t", plugins=[PluginInfo("drive", "TricycleDrive", False, [COMMAND])])
-
-    assert models_of(ModelList([robot]))["t"].steers
-
-
 def test_models_are_in_natural_order_and_own_their_scans():
     others = [ModelInfo(name=name) for name in ("r10", "crate", "R9")]
     models = models_of(ModelList([*others, ROBOT]))
 
     assert list(models) == ["R9", "crate", "r2", "r10"]
     assert topic_owners(models) == {"/r2/scan": "r2", "/r2": "r2"}
-    assert models["crate"].command_topic == ""
-    assert models["crate"].size == 0.0
+    assert (models["crate"].command_topic, models["crate"].size) == ("", 0.0)
+    drive = PluginInfo("drive", "TricycleDrive", False, [COMMAND])
+    assert models_of(ModelList([ModelInfo(name="t", plugins=[drive])]))["t"].steers
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ from flatland_viz.problems import (
     Problem,
     Problems,
     frames_published_twice,
-    listed,
     shared_commands,
     summary,
 )
@@ -60,12 +59,9 @@ def test_a_repeated_log_entry_comes_back_with_its_number():
     assert problems.latest_first == [repeated]
 
 
-def test_frames_of_one_node_are_no_problem():
-    assert frames_published_twice([("map", "odom", "/a"), ("odom", "base", "/a")]) == []
-
-
 def test_frames_of_two_nodes_are_named():
     seen = [("map", "odom", "/server"), ("world", "odom", "/amcl"), ("odom", "base", "/server")]
+    assert frames_published_twice(seen[::2]) == []
 
     assert frames_published_twice(seen) == [
         '/amcl and /server publish the frame "odom" from "map" and "world"; switch one off'
@@ -77,11 +73,11 @@ def test_robots_with_the_same_commands_are_named():
         topics = tuple(Topic(each, "geometry_msgs/Twist", False, "drive") for each in commands)
         return Model(name, "", "", (), (), topics, 0.4, False)
 
-    names = {"r1": ["/cmd_vel"], "r2": ["/cmd_vel"], "r3": ["/r3/cmd_vel"], "a": [], "b": []}
-    [text] = shared_commands(model(name, *commands) for name, commands in names.items())
-
-    assert text.startswith("r1 and r2 subscribe to /cmd_vel:")
-    assert listed("abcde") == "a, b, c and 2 others"
+    others = {"r3": ["/r3/cmd_vel"], "a": [], "b": []}
+    for count, listed in ((2, "r1 and r2"), (5, "r3, r1, r2 and 2 others")):
+        names = {**others, **{f"r{number + 1}": ["/cmd_vel"] for number in range(count)}}
+        [text] = shared_commands(model(name, *commands) for name, commands in names.items())
+        assert text.startswith(f"{listed} subscribe to /cmd_vel:")
 
 
 def test_a_traceback_is_shown_by_its_exception():

@@ -9,16 +9,6 @@ from flatland_viz.status import Simulation, has_restarted, status
 RUNNING = Simulation(time=12.345, is_paused=False, rate=1.0, real_time_factor=0.999)
 
 
-def test_a_running_simulation():
-    assert status(RUNNING, silence=0.2) == ("12.3 s", "1.00 x", "running")
-
-
-def test_a_paused_simulation_has_no_speed():
-    paused = RUNNING._replace(is_paused=True, real_time_factor=0.0)
-
-    assert status(paused, silence=0.2) == ("12.345 s", "", "paused")
-
-
 @pytest.mark.parametrize(
     ("rate", "factor", "speed"),
     [
@@ -35,13 +25,17 @@ def test_the_requested_speed_is_shown_if_it_is_not_reached(rate, factor, speed):
     assert status(simulation, silence=0.0).speed == speed
 
 
-def test_a_server_that_is_silent_for_two_seconds_is_gone():
-    assert status(RUNNING, silence=1.9).state == "running"
-    assert status(RUNNING, silence=2.1) == ("12.3 s", "", "no server")
-
-
-def test_before_the_first_message_the_window_waits():
-    assert status(None, silence=100.0) == ("", "", "waiting for the server")
+@pytest.mark.parametrize(
+    ("simulation", "silence", "shown"),
+    [
+        (RUNNING, 1.9, ("12.3 s", "1.00 x", "running")),
+        (RUNNING._replace(is_paused=True, real_time_factor=0.0), 0.2, ("12.345 s", "", "paused")),
+        (RUNNING, 2.1, ("12.3 s", "", "no server")),
+        (None, 100.0, ("", "", "waiting for the server")),
+    ],
+)
+def test_the_line_has_time_speed_and_state(simulation, silence, shown):
+    assert status(simulation, silence) == shown
 
 
 @pytest.mark.parametrize(

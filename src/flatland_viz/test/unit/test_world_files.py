@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from flatland_viz.world_files import copy_of, is_installed, label, title
+from flatland_viz.world_menu import names_of
 
 
 @pytest.mark.parametrize(
@@ -13,6 +14,11 @@ from flatland_viz.world_files import copy_of, is_installed, label, title
 )
 def test_names_of_models_have_no_ending(file, name):
     assert label(Path("/worlds") / file) == name
+
+
+def test_names_of_recent_worlds_tell_files_apart():
+    paths = ["/x/office/world.yaml", "/y/office/world.yaml", "/x/room/world.yaml"]
+    assert names_of(paths) == [*paths[:2], "room/world.yaml"]
 
 
 def test_the_title_names_the_world_with_its_folder():
