@@ -50,7 +50,6 @@ def test_episodes_are_those_of_simulations_whose_files_have_the_values(make_env,
         env.load_states(states)
         found[-1] += [env.step(np.ones(env.action_space.shape, np.float32))]
         assert_same(found[-1][-2], found[-1][-1])
-        env.close()
     assert_same(*found)
     values = np.concatenate([each[-1]["vary"].reshape(-1, len(VARY)) for each in found[0]])
     assert len(np.unique(values[:, 0])) > COUNT
@@ -80,7 +79,6 @@ def test_values_are_drawn_within_the_ranges_or_given_for_each_environment():
     assert np.array_equal(infos["vary"][:, 1], speeds)
     assert np.allclose(infos["pose"][:, :2], ends)
     assert np.array_equal(infos["goal"], goals)
-    env.close()
 
 
 @pytest.mark.parametrize(
@@ -107,7 +105,6 @@ def test_wrong_options_are_refused(options, message):
         env.reset(options=options)
     with pytest.raises(UsageError, match=message):
         env.unwrapped.reset_options = options
-    env.close()
 
 
 def test_wrong_arguments_are_refused():

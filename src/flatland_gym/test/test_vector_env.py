@@ -122,7 +122,6 @@ def test_actions_may_be_of_any_type_of_numbers(kind):
         assert_same(found[0], expected[0][0])
         assert type(found[1]) is float
         assert found[1] == expected[1][0]
-    single.close(), vector.close()
 
 
 @pytest.mark.parametrize(
@@ -242,7 +241,6 @@ def test_a_batch_is_made_when_an_episode_is_in_its_world():
     last = np.array([False, False, True])
     env.reset(options={"reset_mask": last, "world": "discs"})
     assert list(made) == [2, 0]
-    env.close()
 
 
 def test_starts_and_goals_are_clear_of_walls_added_by_plugins():
@@ -253,11 +251,9 @@ def test_starts_and_goals_are_clear_of_walls_added_by_plugins():
         assert len(walls) == 4 + 2
         assert observation["ranges"].min() * 10 > 0.2 + 0.09  # radius and margin
         assert DistanceGrid(walls, (0.0, 0.0), 1.0).distance(*info["goal"]) > 0.2
-    env.close()
     env = make(world=with_a_person_and_walls(4), beams=32)
     with pytest.raises(UsageError, match="walls that a plugin of the world has added"):
         env.reset(seed=1, options={"goal": [4.4, 0.0]})
-    env.close()
 
 
 @pytest.mark.parametrize(
@@ -270,8 +266,6 @@ def test_an_environment_is_the_same_among_others(world, count):
         actions = np.tile(np.float32([0.6, 0.3]), (count, 1))
         assert_same(a[0], b[0][:2])
         a, b = few.step(actions[:2]), many.step(actions)
-    few.close()
-    many.close()
 
 
 def test_results_are_not_written_to_again():
@@ -284,7 +278,6 @@ def test_results_are_not_written_to_again():
 
     assert any("final_obs" in result[-1] for result in kept)
     assert_same(kept, copies)
-    env.close()
 
 
 def test_the_last_observation_of_an_episode_is_that_of_its_end():
@@ -299,7 +292,6 @@ def test_the_last_observation_of_an_episode_is_that_of_its_end():
     assert infos["final_info"]["pose"][0, 0] == pytest.approx(4.8, abs=0.02)  # 5 m less the radius
     assert infos["final_obs"][0][:64].min() == pytest.approx(0.02, abs=0.002)  # 0.2 m of 10 m
     assert infos["pose"][0, 0] < 4.7
-    env.close()
 
 
 @pytest.mark.parametrize("mode", [mode.value for mode in AutoresetMode])
@@ -340,7 +332,6 @@ def test_pictures_are_those_of_single_environments(arguments):
             if step == 20:
                 env.reset(options={"reset_mask": np.array([False, True])})
         frames.append(env.render())
-        env.close()
 
     assert isinstance(frames[1], tuple)
     assert_same(frames[0], frames[1])
@@ -354,7 +345,6 @@ def test_render_envs_limits_the_number_of_pictures():
 
     assert [(frame.shape, frame.dtype) for frame in frames] == [((480, 480, 3), np.uint8)] * 5
     assert [bool(frame.any()) for frame in frames] == [True, True, False, False, False]
-    env.close()
 
 
 def test_wrappers_of_gymnasium_work():
@@ -367,4 +357,3 @@ def test_wrappers_of_gymnasium_work():
             lengths += infos["episode"]["l"][infos["_episode"]].tolist()
     assert lengths
     assert max(lengths) <= 40
-    env.close()

@@ -19,7 +19,6 @@ def test_seeds_may_be_one_for_all_or_one_for_each():
     assert not np.array_equal(one[0], later[0])
     env.reset(seed=5)
     assert_same(env.reset(), later)
-    env.close()
 
 
 WRONG_ACTIONS = [

@@ -2,11 +2,9 @@
 
 import contextlib
 import io
-import os
 import re
 import subprocess
 import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -120,7 +118,9 @@ def test_a_map_alone_is_checked_as_a_map(good_files, check):
     width, height = np.ptp(image.segments.reshape(-1, 2), axis=0)
     count = len(image.segments)
     world.close()
-    good_files.write("wrong.yaml", (good_files.folder / "map.yaml").read_text().replace("map.", "o."))
+    good_files.write(
+        "wrong.yaml", (good_files.folder / "map.yaml").read_text().replace("map.", "o.")
+    )
 
     assert_answer(
         check("map.yaml", "scaled.yaml", "empty.yaml", "wrong.yaml"),
