@@ -32,11 +32,7 @@ void ExpectPose(const Pose& pose, const Pose& expected) {
   EXPECT_DOUBLE_EQ(pose.yaw, expected.yaw);
 }
 
-void ExpectExactly(const Pose& pose, const Pose& expected) {
-  EXPECT_EQ(pose.x, expected.x);
-  EXPECT_EQ(pose.y, expected.y);
-  EXPECT_EQ(pose.yaw, expected.yaw);
-}
+void ExpectExactly(const Pose& pose, const Pose& expected) { EXPECT_EQ(pose, expected); }
 
 // Durations, and steps of which a whole number makes them, and does not.
 struct Pace {

@@ -14,8 +14,7 @@ namespace flatland {
 namespace {
 
 TEST_F(WorldTest, KnowsTheSettingsOfAFixture) {
-  FixtureSettings settings;
-  settings.density = 2.5;
+  FixtureSettings settings = Dense(2.5);
   settings.friction = 0.75;
   settings.restitution = 0.5;
   settings.sensor = true;
@@ -116,10 +115,8 @@ TEST_F(WorldTest, TheMassOfManyFixturesIsTheirSum) {
 
 TEST_F(WorldTest, TheCentreOfMassIsThatOfTheFixturesTogether) {
   const World::Body body = world_.AddBody({});
-  FixtureSettings heavy = Solid();
-  heavy.density = 3.0;
   world_.AddPolygon(body, {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, Solid());
-  world_.AddPolygon(body, {{4, 0}, {5, 0}, {5, 1}, {4, 1}}, heavy);
+  world_.AddPolygon(body, {{4, 0}, {5, 0}, {5, 1}, {4, 1}}, Dense(3.0));
 
   EXPECT_NEAR(world_.GetMass(body), 4.0, 1e-6);
   EXPECT_NEAR(world_.GetCenter(body).x, (0.5 + 3 * 4.5) / 4, 1e-6);
@@ -167,10 +164,8 @@ TEST_F(WorldTest, ABodyKnowsWhatItOverlaps) {
 }
 
 TEST_F(WorldTest, WhatDoesNotPushOutDoesNotOverlap) {
-  FixtureSettings ghost = Solid();
-  ghost.collides = false;
   AddBox(world_, {0, 0, 0}, 1.0, Sensor());
-  AddBox(world_, {0, 0, 0}, 1.0, ghost);
+  AddBox(world_, {0, 0, 0}, 1.0, Ghost());
   AddBox(world_, {0, 0, 0}, 1.0, OnLayers(0b10));
 
   EXPECT_TRUE(world_.GetOverlappingBodies(AddBox(world_, {0, 0, 0}, 1.0, OnLayers(0b01))).empty());

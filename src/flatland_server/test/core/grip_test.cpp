@@ -22,19 +22,16 @@ ActuatorSettings Limited(double max_force, double max_torque, double friction) {
   return settings;
 }
 
-class GrippingRobot : public testing::Test {
+class GrippingRobot : public WorldTest {
  protected:
   /// A square of 0.5 m and 20 kg, if the force has limits.
   World::Body AddRobot(const ActuatorSettings& settings, const Pose& pose = {}) {
-    FixtureSettings fixture = Solid();
-    fixture.density = 80.0;
-    const World::Body body = AddBox(world_, pose, 0.5, fixture);
+    const World::Body body = AddBox(world_, pose, 0.5, Dense(80.0));
     drive_ = world_.AddDrive(body, {}, {}, settings);
     return body;
   }
   double SpeedOf(World::Body body) const { return world_.GetLocalVelocity(body).vx; }
 
-  World world_{10, 10};
   World::Drive drive_;
 };
 
@@ -124,8 +121,7 @@ TEST_F(GrippingRobot, PushesABoxOnlyIfFrictionLetsIt) {
 // Both together speed up by mu m g / (m + M).
 TEST_F(GrippingRobot, PushesAFreeBoxByNewton) {
   const double mu = 0.3;
-  FixtureSettings fixture = Solid();
-  fixture.density = 160.0;
+  FixtureSettings fixture = Dense(160.0);
   const World::Body box = AddBox(world_, {0.5, 0.0, 0.0}, 0.5, fixture);
   AddRobot(Limited(0.0, 0.0, mu));
   world_.Get(drive_).Command({20.0, 0.0, 0.0});
@@ -241,8 +237,7 @@ TEST_F(GrippingRobot, IsPulledByTheSameImpulseWithAndWithoutContacts) {
     for (int i = 0; i < 2; ++i) {
       damped.pose = {100.0 * i, 0.0, 0.3};
       robots[i] = world.AddBody(damped);
-      FixtureSettings fixture = Solid();
-      fixture.density = 80.0;
+      FixtureSettings fixture = Dense(80.0);
       world.AddCircle(robots[i], {0.05, 0.02}, 0.3, fixture);
       drives[i] = world.AddDrive(robots[i], {}, {}, settings);
     }

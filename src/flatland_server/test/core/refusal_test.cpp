@@ -103,8 +103,7 @@ Refusal Polygon(const char* name, const std::vector<Vec2>& vertices) {
 }
 Refusal Material(const char* name, double density, double friction, double restitution) {
   return {name, [=](World& w, World::Body box, World::Body) {
-            FixtureSettings settings;
-            settings.density = density;
+            FixtureSettings settings = Dense(density);
             settings.friction = friction;
             settings.restitution = restitution;
             w.AddPolygon(box, Square(1), settings);
@@ -117,9 +116,7 @@ Refusal Wall(const char* name, const Segment& wall) {
 }
 Refusal Limits(const char* name, double lower, double upper) {
   return {name, [=](World& w, World::Body box, World::Body other) {
-            RevoluteSettings settings;
-            settings.limits = {{lower, upper}};
-            w.AddRevolute(box, other, settings);
+            w.AddRevolute(box, other, HingeWithin(lower, upper));
           }};
 }
 Refusal Anchors(const char* name, Vec2 a, Vec2 b) {
