@@ -228,10 +228,7 @@ class ActuatedWorld {
     settings.command_timeout = 0.2;
     settings.key = 7;
     drive_ = world_->AddDrive(body_, {1.0, 1.0, 0.0}, {}, settings);
-    LidarSettings lidar;
-    lidar.fan = std::make_shared<BeamFan>(0.0, 0.1, 1);
-    lidar.scan.range = 5.0;
-    lidar_ = world_->lidars().Add(body_, lidar);
+    lidar_ = world_->lidars().Add(body_, LidarOf(0.0, 0.1, 1));
   }
   void Drive(World& world, int steps) {
     for (int i = 0; i < steps; ++i) {

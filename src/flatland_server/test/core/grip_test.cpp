@@ -278,10 +278,8 @@ class PushingWorld {
                                          Limited(y > 0.0 ? 1.0 : 0.0, 0.0, 0.5)));
     }
     AddBox(*world_, {0.0, 0.0, 0.2}, 0.6);
-    LidarSettings lidar;
-    lidar.fan = std::make_shared<BeamFan>(0.0, 0.1, 1);
-    lidar.scan.range = 5.0;
-    for (const World::Body body : bodies_) lidars_.push_back(world_->lidars().Add(body, lidar));
+    for (const World::Body body : bodies_)
+      lidars_.push_back(world_->lidars().Add(body, LidarOf(0.0, 0.1, 1)));
   }
   static Twist CommandOf(int step, int robot) {
     return {1.0 - (step / 400) % 2, 0.0, 0.4 * robot - 0.2 * (step % 3)};

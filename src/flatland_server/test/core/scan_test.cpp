@@ -60,16 +60,12 @@ TEST_F(LidarTest, SeesOnlyThePartOfABodyThatIsInRange) {
   settings_.range = 5.0;
 
   EXPECT_EQ(LookAhead({}), 3.0f);
+  settings_.range = 3.0;
+  EXPECT_EQ(LookAhead({}), 3.0f) << "at its very range";
+  settings_.range = 5.0;
   EXPECT_NEAR(LookAhead({0, 0, 0.9}), 3.0 / std::cos(0.9), 1e-4);
   EXPECT_EQ(LookAhead({0, 0, 0.95}), kInfinity);
   EXPECT_EQ(LookAhead({0, 0, -1.2}), kInfinity);
-}
-
-TEST_F(LidarTest, SeesACircleAtItsVeryRange) {
-  world_.AddCircle(AddBody({4, 0, 0}), {0, 0}, 1.0, {});
-  settings_.range = 3.0;
-
-  EXPECT_EQ(LookAhead({}), 3.0f);
 }
 
 // Each corner of a shape in turn, far out, while all else is out of range.
@@ -86,26 +82,19 @@ TEST_F(LidarTest, SeesTheTipOfABody) {
   }
 }
 
-TEST_F(LidarTest, LooksOutOfACircleAroundIt) {
-  const World::Body body = AddBody({0.1, 0.0, 0.0});
-  world_.AddCircle(body, {0, 0}, 0.5, {});
+TEST_F(LidarTest, LooksOutOfABodyAroundIt) {
   AddWallAt(3.0);
   world_.AddCircle(AddBody({0.0, 4.0, 0.0}), {0, 0}, 1.0, {});
-
-  EXPECT_EQ(LookAhead({}), 3.0f);
-  EXPECT_NEAR(LookAhead({0, 0, M_PI / 2}), 3.0, 1e-5);
-  EXPECT_EQ(LookAhead({0, 0, M_PI}), kInfinity);
-}
-
-TEST_F(LidarTest, LooksOutOfAPolygonAroundIt) {
-  const World::Body body = AddBody({0.1, 0.0, 0.3});
-  world_.AddPolygon(body, square_, {});
-  AddWallAt(3.0);
-  world_.AddPolygon(AddBody({0.0, 4.0, 0.0}), square_, {});
-
-  EXPECT_EQ(LookAhead({}), 3.0f);
-  EXPECT_NEAR(LookAhead({0, 0, M_PI / 2}), 3.5, 1e-5);
-  EXPECT_EQ(LookAhead({0, 0, M_PI}), kInfinity);
+  const World::Body square = AddBody({0.1, 0.0, 0.3}), disc = AddBody({0.1, 0.0, 0.0});
+  world_.AddPolygon(square, square_, {});
+  for (const bool is_square : {true, false}) {
+    EXPECT_EQ(LookAhead({}), 3.0f);
+    EXPECT_NEAR(LookAhead({0, 0, M_PI / 2}), 3.0, 1e-5);
+    EXPECT_EQ(LookAhead({0, 0, M_PI}), kInfinity);
+    if (!is_square) continue;
+    world_.RemoveBody(square);
+    world_.AddCircle(disc, {0, 0}, 0.5, {});
+  }
 }
 
 TEST_F(LidarTest, LooksOutOfABodyWithinAMillimetreOfItsOutline) {
@@ -175,9 +164,7 @@ TEST_F(LidarTest, SeesTheSideOfACircleThatAWallLeavesFree) {
   for (double side : {-1.0, 1.0}) {
     World world(10, 10);
     world.AddLayer({{{2, -0.1 * side}, {2, 5 * side}}}, 0xFFFF);
-    BodySettings settings;
-    settings.pose = {4, 0, 0};
-    world.AddCircle(world.AddBody(settings), {0, 0}, 1.0, {});
+    AddDisc(world, {4, 0, 0}, 1.0);
     float range, intensity;
     world.lidars().Scan(BeamFan(-0.2 * side, 0.0, 1), {}, settings_, &range, &intensity);
 
@@ -278,26 +265,16 @@ TEST_F(LidarTest, RefusesOtherThreadsMeanwhile) {
   }
 }
 
-TEST_F(LidarTest, SeesNoSensors) {
-  FixtureSettings sensor;
-  sensor.sensor = true;
-  world_.AddPolygon(AddBody({2.5, 0, 0}), square_, sensor);
-
+TEST_F(LidarTest, SeesNoSensorsButWhatDoesNotCollide) {
+  world_.AddPolygon(AddBody({2.5, 0, 0}), square_, Sensor());
   EXPECT_EQ(LookAhead({}), kInfinity);
-}
 
-TEST_F(LidarTest, SeesWhatDoesNotCollide) {
-  FixtureSettings ghost;
-  ghost.collides = false;
-  world_.AddPolygon(AddBody({2.5, 0, 0}), square_, ghost);
-
-  EXPECT_EQ(LookAhead({}), 2.0f);
+  world_.AddPolygon(AddBody({4.5, 0, 0}), square_, Ghost());
+  EXPECT_EQ(LookAhead({}), 4.0f);
 }
 
 TEST_F(LidarTest, SeesOnlyItsLayers) {
-  FixtureSettings high;
-  high.layers = 0b01;
-  world_.AddPolygon(AddBody({2.5, 0, 0}), square_, high);
+  world_.AddPolygon(AddBody({2.5, 0, 0}), square_, OnLayers(0b01));
   AddWallAt(5.0, 0b10);
   AddWallAt(7.0, 0b01);
 
@@ -315,9 +292,7 @@ TEST_F(LidarTest, SeesOnlyItsLayers) {
 
 TEST_F(LidarTest, MeasuresTheIntensityOfTheNearestThing) {
   settings_.reflectance_layers = 0b10;
-  FixtureSettings dull, bright;
-  dull.layers = 0b01;
-  bright.layers = 0b10;
+  const FixtureSettings dull = OnLayers(0b01), bright = OnLayers(0b10);
   AddWallAt(5.0, 0b10);
   AddWallAt(-5.0, 0b01);
   world_.AddPolygon(AddBody({0, 4, 0}), square_, bright);
@@ -359,14 +334,8 @@ TEST_F(LidarTest, SeesNoIntensityBeyondItsRange) {
 
   EXPECT_EQ(view.ranges[0], kInfinity);
   EXPECT_EQ(view.intensities[0], 0.0f);
-}
-
-TEST_F(LidarTest, SeesADullWallAtItsVeryRangeBesideWhatReflects) {
-  settings_.reflectance_layers = 0b10;
-  settings_.range = 5.0;
   AddWallAt(5.0, 0b01);
-
-  EXPECT_EQ(LookAhead({}), 5.0f);
+  EXPECT_EQ(LookAhead({}), 5.0f) << "at its very range, and dull";
 }
 
 TEST_F(LidarTest, MeasuresTheIntensityOfWhatIsAMillimetreNearer) {

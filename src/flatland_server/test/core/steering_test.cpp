@@ -120,18 +120,13 @@ INSTANTIATE_TEST_SUITE_P(
                {{0, 0.5}, {0.25, 0}, {0.25, -0.5}, {2.25, -0.5}, {2.5, 0}})),
     [](const testing::TestParamInfo<Maneuver>& info) { return info.param.name; });
 
-TEST(Steer, IsAtOnceWithoutLimits) {
+TEST(Steer, IsAtOnceWithoutLimitsAndTakesNoTimeForNoTime) {
   for (const double time : {0.0, 0.005, 3.0}) {
     const SteeringState state = Steer({0.3, 0.2}, -0.7, {}, time);
-
     EXPECT_EQ(state.angle, -0.7);
     EXPECT_EQ(state.rate, 0.0);
   }
-}
-
-TEST(Steer, TakesNoTimeForNoTime) {
   const SteeringState state = Steer({0.3, 0.2}, -0.7, {2.0, 4.0, 0.5}, 0.0);
-
   EXPECT_EQ(state.angle, 0.3);
   EXPECT_EQ(state.rate, 0.2);
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "world/world.hpp"
@@ -78,6 +79,13 @@ inline RevoluteSettings HingeWithin(double lower, double upper) {
 inline WeldSettings WeldAt(Vec2 anchor_a) {
   WeldSettings settings;
   settings.anchor_a = anchor_a;
+  return settings;
+}
+
+inline LidarSettings LidarOf(double angle_min, double increment, int beams) {
+  LidarSettings settings;
+  settings.fan = std::make_shared<BeamFan>(angle_min, increment, beams);
+  settings.scan.range = 5.0;
   return settings;
 }
 

@@ -55,10 +55,7 @@ class WorldBatchTest : public WorldTest {
     world_.AddWeld(base, tail, WeldSettings());
     robot_.bodies = {base, tail};
     robot_.drive = world_.AddDrive(base, {2, 2, 3}, {});
-    LidarSettings lidar;
-    lidar.fan = std::make_shared<BeamFan>(-2.0, 0.13, kBeams);
-    lidar.scan.range = 5.0;
-    robot_.lidar = world_.lidars().Add(base, lidar);
+    robot_.lidar = world_.lidars().Add(base, LidarOf(-2.0, 0.13, kBeams));
   }
 
   /// The action of an environment in a round: two numbers.
@@ -179,10 +176,7 @@ TEST_F(WorldBatchTest, SeveralRobotsOfAnEnvironmentAreThoseOfAWorld) {
   const World::Body disc = AddBox(world_, {1.5, 0.9, 3.0}, 0.3);
   second.bodies = {disc};
   second.drive = world_.AddDrive(disc, {2, 2, 3}, {});
-  LidarSettings lidar;
-  lidar.fan = std::make_shared<BeamFan>(-1.0, 0.1, kBeams);
-  lidar.scan.range = 5.0;
-  second.lidar = world_.lidars().Add(disc, lidar);
+  second.lidar = world_.lidars().Add(disc, LidarOf(-1.0, 0.1, kBeams));
   const std::vector<BatchRobot> robots{robot_, second};
   constexpr int kCount = 5, kAt = 2;  // the environment that is compared
   constexpr int kFirst = 2 * kAt, kSecond = kFirst + 1;
