@@ -29,14 +29,6 @@ TEST(DynamicsLimits, AreFiniteAndNotNegative) {
   }
 }
 
-TEST(Approach, StaysAtTheTarget) {
-  const DynamicsLimits limits{2.0, 5.0, 1.0};
-
-  EXPECT_EQ(limits.Approach(0.7, 0.7, 0.1), 0.7);
-  EXPECT_EQ(limits.Approach(0.0, 0.0, 0.1), 0.0);
-  EXPECT_EQ(limits.Approach({0.7, 0.0}, {0.7, 0.0}, 0.1).mean.x, 0.7);
-}
-
 TEST(Approach, ReachesTheSmallestTarget) {
   const double tiny = std::numeric_limits<double>::denorm_min();
   for (const DynamicsLimits& limits : {DynamicsLimits{}, DynamicsLimits{2.0, 5.0, 1.0}}) {
@@ -46,9 +38,12 @@ TEST(Approach, ReachesTheSmallestTarget) {
   }
 }
 
-TEST(Approach, NeverGoesFasterThanTheVelocityLimit) {
+TEST(Approach, StaysAtTheTargetAndGoesNoFasterThanTheVelocityLimit) {
   const DynamicsLimits limits{2.0, 5.0, 0.5};
 
+  EXPECT_EQ(limits.Approach(0.4, 0.4, 0.1), 0.4);
+  EXPECT_EQ(limits.Approach(0.0, 0.0, 0.1), 0.0);
+  EXPECT_EQ(limits.Approach({0.4, 0.0}, {0.4, 0.0}, 0.1).mean.x, 0.4);
   EXPECT_DOUBLE_EQ(limits.Approach(0.45, 3.0, 0.1), 0.5);
   EXPECT_DOUBLE_EQ(limits.Approach(-0.45, -3.0, 0.1), -0.5);
   EXPECT_DOUBLE_EQ(limits.Approach(0.5, 3.0, 0.1), 0.5);

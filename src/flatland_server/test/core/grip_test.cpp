@@ -44,22 +44,19 @@ TEST_F(GrippingRobot, SpeedsUpByItsForce) {
   EXPECT_NEAR(SpeedOf(robot), 2.0, 1e-5);
 }
 
+// A torque of its own, and that of its friction at the radius of gyration.
 TEST_F(GrippingRobot, TurnsUpByItsTorque) {
-  const World::Body robot = AddRobot(Limited(0.0, 0.5, 0.0));
-  const double inertia = world_.GetInertia(robot);
-  EXPECT_NEAR(inertia, 20.0 * 0.25 / 6.0, 1e-4);
-  world_.Get(drive_).Command({0.0, 0.0, 1.0});
-  StepTimes(world_, 100);
-  EXPECT_NEAR(world_.GetVelocity(robot).omega, 0.5 / inertia * 0.5, 1e-4);
-}
-
-TEST_F(GrippingRobot, HasTheTorqueOfItsForceAtTheRadiusOfGyration) {
-  const World::Body robot = AddRobot(Limited(0.0, 0.0, 0.1));
-  const double inertia = world_.GetInertia(robot);
-  const double torque = 0.1 * 20.0 * kGravity * std::sqrt(inertia / 20.0);
-  world_.Get(drive_).Command({0.0, 0.0, 9.0});
-  StepTimes(world_, 50);
-  EXPECT_NEAR(world_.GetVelocity(robot).omega, torque / inertia * 0.25, 1e-3);
+  const double inertia = 20.0 * 0.25 / 6.0;
+  const double of_friction = 0.1 * 20.0 * kGravity * std::sqrt(inertia / 20.0);
+  for (const auto& [settings, torque] :
+       {std::pair{Limited(0.0, 0.5, 0.0), 0.5}, {Limited(0.0, 0.0, 0.1), of_friction}}) {
+    const World::Body robot = AddRobot(settings);
+    EXPECT_NEAR(world_.GetInertia(robot), inertia, 1e-4);
+    world_.Get(drive_).Command({0.0, 0.0, 9.0});
+    StepTimes(world_, 50);
+    EXPECT_NEAR(world_.GetVelocity(robot).omega, torque / inertia * 0.25, 1e-3);
+    world_.RemoveBody(robot);
+  }
 }
 
 // With a force that is enough, it moves as without limits: within rounding, and far from the
