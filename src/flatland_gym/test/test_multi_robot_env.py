@@ -128,14 +128,8 @@ def test_starts_and_goals_can_be_given():
         ({"starts": {}}, "unknown option 'starts'; there are: start, goal, world"),
         ({"start": [0, 0]}, r"start as a dict by agent, of: robot_0, robot_1; found \[0, 0\]"),
         ({"start": {"robot_2": [0, 0]}}, "start as a dict by agent, of: robot_0, robot_1; found"),
-        (
-            {"goal": {"robot_1": [0, 0, 0]}},
-            r"option goal of robot_1 as \[x, y\], found \[0, 0, 0\]",
-        ),
-        (
-            {"start": {"robot_0": "ab"}},
-            r"start of robot_0 as \[x, y\] or \[x, y, yaw\], found 'ab'",
-        ),
+        ({"goal": {"robot_1": [0, 0, 0]}}, r"goal of robot_1 as \[x, y\], found \[0, 0, 0\]"),
+        ({"start": {"robot_0": "ab"}}, r"of robot_0 as \[x, y\] or \[x, y, yaw\], found 'ab'"),
         ({"goal": {"robot_0": [9, 0]}}, r"a goal of robot_0 that is free .*, found \[9, 0\]"),
         ({"start": {"robot_0": [0, 0], "robot_1": [0.1, 0]}}, "where another model stands"),
         ([], "expected options as a dict"),
@@ -161,9 +155,8 @@ def drive_to_the_goal(at_goal):
     env.reset(seed=1, options=ends)
     infos = {}
     while "robot_0" in env.agents:
-        _, _, terminated, _, infos = env.step(
-            {"robot_0": np.float32([0.5, 0]), "robot_1": np.float32([0, 0])}
-        )
+        actions = {"robot_0": np.float32([0.5, 0]), "robot_1": np.float32([0, 0])}
+        _, _, terminated, _, infos = env.step(actions)
     assert terminated == {"robot_0": True, "robot_1": False}
     assert infos["robot_0"]["success"]
     return env

@@ -13,12 +13,7 @@ pytest.importorskip("stable_baselines3")
 
 import torch
 from stable_baselines3 import PPO, SAC
-from stable_baselines3.common.vec_env import (
-    DummyVecEnv,
-    VecFrameStack,
-    VecMonitor,
-    VecNormalize,
-)
+from stable_baselines3.common.vec_env import DummyVecEnv, VecFrameStack, VecMonitor, VecNormalize
 
 from flatland_gym.multi_robot_vector_env import MultiRobotVectorEnv
 from flatland_gym.sb3 import MultiRobotVecEnv, NavigationVecEnv

@@ -69,10 +69,8 @@ def test_values_are_drawn_within_the_ranges_or_given_for_each_environment():
     env.unwrapped.reset_options = {"vary": {RANGE: (3.0, 4.0), SPEED: 0.5}}
     _, infos = env.reset()
     assert (abs(infos["vary"] - [3.5, 0.5]) <= [0.5, 0.0]).all()
-    speeds, ends = (
-        np.linspace(0.4, 1.0, 64),
-        np.column_stack([np.linspace(-3, 3, 64), np.zeros(64)]),
-    )
+    speeds = np.linspace(0.4, 1.0, 64)
+    ends = np.column_stack([np.linspace(-3, 3, 64), np.zeros(64)])
     goals = ends + np.array([0.0, 3.0])
     env.unwrapped.reset_options = {"vary": {SPEED: speeds}, "start": ends, "goal": goals}
     _, infos = env.reset()

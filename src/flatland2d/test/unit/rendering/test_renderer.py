@@ -4,6 +4,7 @@ import io
 import logging
 import sys
 import xml.etree.ElementTree as ElementTree
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -304,23 +305,16 @@ def test_without_a_size_the_longer_side_has_1600_pixels(simulation):
 
 
 def test_a_plot_is_in_metres(simulation):
-    class Axes:
-        """The part of Matplotlib's Axes that is used."""
+    axes, renderer = Mock(), Renderer(simulation.world)
 
-        def imshow(self, image, extent, interpolation):
-            self.image, self.extent = image, extent
+    assert plot(renderer, axes) is axes
 
-        def set_xlabel(self, text):
-            assert text == "x [m]"
-
-        def set_ylabel(self, text):
-            assert text == "y [m]"
-
-    axes = Axes()
-
-    assert plot(Renderer(simulation.world), axes) is axes
-    assert axes.extent == pytest.approx((-4.2, 4.2, -4.2, 4.2), abs=0.02)
-    assert axes.image == Renderer(simulation.world).image()
+    [image] = axes.imshow.call_args.args
+    assert image == renderer.image()
+    extent = axes.imshow.call_args.kwargs["extent"]
+    assert extent == pytest.approx((-4.2, 4.2, -4.2, 4.2), abs=0.02)
+    axes.set_xlabel.assert_called_once_with("x [m]")
+    axes.set_ylabel.assert_called_once_with("y [m]")
 
 
 def test_a_plot_without_matplotlib_is_an_error(simulation, monkeypatch):
