@@ -70,17 +70,26 @@ def test_a_good_world_is_summed_up_in_a_line(good_files, check_alone):
 
 def test_all_problems_are_printed_with_line_and_column(good_files, check):
     good_files.edit("world.yaml", "[0.4, 0.4, 0.4, 1]", "grey")
+    good_files.edit("world.yaml", "pose: [1, 2, 0.5]", "pose: [1, 2]")
     good_files.edit("map.yaml", "map.png", "office.png")
     good_files.edit("lines.dat", "2 3 -1 2", "2 3 -1")
+    good_files.edit("robot.model.yaml", "radius: 0.5", "radius: -0.5")
+    good_files.edit("robot.model.yaml", "collide_connected: false", "collide_connectd: false")
 
-    assert_answer(
-        check("world.yaml"),
-        1,
-        "",
-        'world.yaml:5:12: layers[0].color: expected [r, g, b, alpha], each 0 to 1, found "grey"\n'
-        "map.yaml:1:8: image: expected a file, but office.png is not there\n"
-        'lines.dat:2: expected four numbers, x1 y1 x2 y2, found "2 3 -1"\n',
-    )
+    answer = check("world.yaml")
+
+    assert answer.stdout == ""
+    assert answer.returncode == 1
+    assert answer.stderr.splitlines() == [
+        'world.yaml:5:12: layers[0].color: expected [r, g, b, alpha], each 0 to 1, found "grey"',
+        "map.yaml:1:8: image: expected a file, but office.png is not there",
+        'lines.dat:2: expected four numbers, x1 y1 x2 y2, found "2 3 -1"',
+        "world.yaml:12:11: models[0].pose: expected [x, y, yaw], found [1, 2]",
+        "robot.model.yaml:11:17: bodies[0].footprints[0].radius: "
+        "expected a number above 0, found -0.5",
+        'robot.model.yaml:28:5: joints[0] "hinge": unknown key "collide_connectd" '
+        '(did you mean "collide_connected"?)',
+    ]
 
 
 @pytest.mark.parametrize("file", ["world.yaml", "robot.model.yaml"])
