@@ -23,7 +23,6 @@ def test_people_do_not_walk_into_a_robot_that_stands():
     hit = np.zeros(60, bool)
     for _ in range(500):
         hit |= env.step(np.zeros((60, 2)))[-1]["collision"]
-    env.close()
 
     assert hit.mean() < 0.05
 
@@ -47,4 +46,3 @@ def test_a_scenes_start_and_goal_are_used_unless_options_differ():
     assert info["goal"] == pytest.approx((5.0, 0.0))
     _, info = env.reset(options={"goal": [5, 4]})
     assert info["goal"] == pytest.approx((5.0, 4.0))
-    env.close()

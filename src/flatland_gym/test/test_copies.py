@@ -61,5 +61,3 @@ def test_a_copy_is_made_by_the_same_arguments(kind, copied):
 
     assert_same(drive(fresh), expected)
     assert_same(drive(used), expected)
-    for each in (env, fresh, used):
-        each.close()

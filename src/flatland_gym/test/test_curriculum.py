@@ -29,7 +29,6 @@ def test_options_take_the_place_of_arguments():
         assert "disc_1" not in simulation.models
         [fixture] = simulation.models["robot"].model.base.config.footprints
         assert fixture.shape.radius == pytest.approx(1.2 * 0.2)
-    env.close()
 
 
 def test_an_attribute_holds_for_all_resets_also_automatic_ones():
@@ -45,7 +44,6 @@ def test_an_attribute_holds_for_all_resets_also_automatic_ones():
     assert (infos["distance"] <= 1.1).all()
     env.unwrapped.reset_options = {}
     assert env.reset(seed=3)[1]["distance"].max() > 1.1
-    env.close()
 
 
 def test_the_margin_can_grow_up_to_the_argument():
@@ -56,7 +54,6 @@ def test_the_margin_can_grow_up_to_the_argument():
         _, infos = env.reset(seed=3)
         nearest[margin] = 5.0 - 0.2 - np.abs(infos["goal"]).max()
     assert 0.0 <= nearest[0.0] < 1.0 <= nearest[1.0] < 2.0 <= nearest[None]
-    env.close()
 
 
 def test_reset_options_act_alike_in_single_and_vector_envs():
@@ -67,8 +64,6 @@ def test_reset_options_act_alike_in_single_and_vector_envs():
     observations, infos = many.reset(seed=5)
     assert_same(expected[0], observations[2])
     assert expected[1]["distance"] == infos["distance"][2]
-    single.close()
-    many.close()
 
 
 @pytest.mark.parametrize(
@@ -90,22 +85,15 @@ def test_reset_options_act_alike_in_single_and_vector_envs():
     ],
 )
 def test_wrong_options_change_nothing(options, message):
-    env = make(**WORLDS)
-    env.reset(seed=1)
+    env, other = make(**WORLDS), make(**WORLDS)
+    env.reset(seed=1), other.reset(seed=1)
     env.reset_options = {"goal_distance": (1, 2)}
     with pytest.raises(UsageError, match=message):
         env.reset_options = options
     assert env.reset_options == {"goal_distance": (1, 2)}
     with pytest.raises(UsageError, match=message):
         env.reset(options=options)
-    assert_same(env.reset(), _second_reset())
-    env.close()
-
-
-def _second_reset():
-    env = make(**WORLDS)
-    env.reset(seed=1)
-    return env.reset(options={"goal_distance": (1, 2)})
+    assert_same(env.reset(), other.reset(options={"goal_distance": (1, 2)}))
 
 
 def test_rewards_see_the_other_models():
@@ -137,5 +125,3 @@ def test_rewards_see_the_other_models():
     single.step(np.zeros(2))
     assert np.isnan(seen[-1][1][0, :12]).all()
     assert not np.isnan(seen[-1][1][0, 12]).any()
-    many.close()
-    single.close()

@@ -35,7 +35,6 @@ def test_each_episode_draws_a_map_and_has_its_walls():
         shown = env.navigation.simulation(0).world.layers[0].segments
         assert np.array_equal(shown, walls(info["map"]))
     assert numbers == set(range(3))
-    env.close()
 
 
 def test_with_maps_vector_single_and_threaded_runs_are_equal():
@@ -110,20 +109,16 @@ def test_neighbours_behind_the_walls_of_a_map_are_hidden():
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"size": 20},
-        {"size": ("long", "wide")},
-        {"size": (20, 20, 20)},
-        {"size": (20, float("nan"))},
-        {"boxes": 1.5},
-        {"boxes": True},
-        {"box": 0.5},
-        {"box": (2, 1)},
-        {"box": (1, 30)},
-        {"door": -1},
+        *({"size": each} for each in (20, ("long", "wide"), (20, 20, 20), (20, float("nan")))),
+        *({"boxes": each} for each in (1.5, True, -1)),
+        *({"box": each} for each in (0.5, (2, 1), (1, 30))),
+        *({"door": each} for each in (-1, 0.0)),
+        {"room": 2.0},
     ],
+    ids=str,
 )
 def test_wrong_sizes_of_rooms_are_told(wrong):
-    with pytest.raises(UsageError, match=r"expected .* sizes .*, found Rooms"):
+    with pytest.raises(UsageError, match=r"expected .* (sizes|six doors).*, found Rooms"):
         Rooms(**wrong)
 
 
@@ -170,11 +165,3 @@ def test_rooms_are_connected_and_the_same_for_the_same_numbers(seed):
     free = grid._distances >= 0.45 + 0.05  # where a robot that fits through doors can stand
     reached = grid.free_space(0.45)._reachable
     assert reached.sum() > 0.95 * free.sum()
-
-
-@pytest.mark.parametrize(
-    "wrong", [{"size": (np.nan, 1)}, {"door": 0.0}, {"room": 2.0}, {"box": (2, 1)}, {"boxes": -1}]
-)
-def test_rooms_of_wrong_sizes_are_refused(wrong):
-    with pytest.raises(UsageError, match="expected"):
-        Rooms(**wrong)

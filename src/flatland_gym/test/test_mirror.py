@@ -12,10 +12,7 @@ from environments import make
 from flatland2d import world_content
 from flatland_gym.train import Mirror
 
-DRIVES = {
-    "DiffDrive": ([0.5, 0.8], [1, -1]),
-    "OmniDrive": ([0.5, 0.3, 0.8], [1, -1, -1]),
-}
+DRIVES = {"DiffDrive": ([0.5, 0.8], [1, -1]), "OmniDrive": ([0.5, 0.3, 0.8], [1, -1, -1])}
 FRONT = {"min": -math.pi / 2, "max": math.pi / 2, "increment": math.pi / 12}
 
 

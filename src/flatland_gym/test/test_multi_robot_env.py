@@ -35,7 +35,6 @@ def test_pettingzoo_makes_it_by_its_name():
 
     assert isinstance(env, MultiRobotEnv)
     assert len(env.possible_agents) == 3
-    env.close()
 
 
 def test_it_passes_pettingzoos_render_test_without_a_screen(without_screen):
@@ -67,7 +66,6 @@ def test_robots_see_and_hit_each_other():
     assert all(info["collision"] for info in infos.values())
     assert max(rewards.values()) < -9
     assert env.agents == []
-    env.close()
 
 
 def test_a_robot_that_is_done_leaves_the_world():
@@ -75,9 +73,6 @@ def test_a_robot_that_is_done_leaves_the_world():
     env.reset(seed=1)
     place(env, [4.75, 0, 0], [2, 0, 0], [-3, -3, 0])
     still = np.zeros(2, np.float32)
-    _, _, terminated, _, _ = env.step(
-        {"robot_0": np.float32([0.8, 0]), "robot_1": still, "robot_2": still}
-    )
     while "robot_0" in env.agents:
         actions = dict.fromkeys(env.agents, still)
         actions["robot_0"] = np.float32([0.8, 0])
@@ -87,7 +82,6 @@ def test_a_robot_that_is_done_leaves_the_world():
     observations, *_ = env.step(dict.fromkeys(env.agents, still))
     assert observations["robot_1"]["ranges"][32] * 10 == pytest.approx(3.0, abs=1e-3)
     assert set(observations) == {"robot_1", "robot_2"}
-    env.close()
 
 
 def test_wrong_calls_change_nothing():
@@ -108,21 +102,9 @@ def test_wrong_calls_change_nothing():
     with pytest.raises(UsageError, match="expected seed to be None or a number of 0 or more"):
         a.reset(seed=-1)
     assert_same(a.step(right), b.step(right))
-    for arguments in (
-        {"robots": 1},
-        {"world": ("discs", "doors")},
-        {"render_mode": "ansi"},
-        {"world": None},
-    ):
+    for arguments in ({"render_mode": "ansi"}, {"world": None}):
         with pytest.raises(UsageError):
             MultiRobotEnv(**arguments)
-
-
-def test_a_picture():
-    env = MultiRobotEnv(robots=2, world="discs", render_mode="rgb_array")
-    env.reset(seed=1)
-    assert env.render().shape == (480, 480, 3)
-    env.close()
 
 
 def test_starts_and_goals_can_be_given():
@@ -138,7 +120,6 @@ def test_starts_and_goals_can_be_given():
         poses = np.array([info["pose"][:2] for info in infos.values()])
         apart = np.linalg.norm(poses[:, None] - poses, axis=-1)[np.triu_indices(3, 1)]
         assert apart.min() > 0.4
-    env.close()
 
 
 @pytest.mark.parametrize(
@@ -147,14 +128,8 @@ def test_starts_and_goals_can_be_given():
         ({"starts": {}}, "unknown option 'starts'; there are: start, goal, world"),
         ({"start": [0, 0]}, r"start as a dict by agent, of: robot_0, robot_1; found \[0, 0\]"),
         ({"start": {"robot_2": [0, 0]}}, "start as a dict by agent, of: robot_0, robot_1; found"),
-        (
-            {"goal": {"robot_1": [0, 0, 0]}},
-            r"option goal of robot_1 as \[x, y\], found \[0, 0, 0\]",
-        ),
-        (
-            {"start": {"robot_0": "ab"}},
-            r"start of robot_0 as \[x, y\] or \[x, y, yaw\], found 'ab'",
-        ),
+        ({"goal": {"robot_1": [0, 0, 0]}}, r"goal of robot_1 as \[x, y\], found \[0, 0, 0\]"),
+        ({"start": {"robot_0": "ab"}}, r"of robot_0 as \[x, y\] or \[x, y, yaw\], found 'ab'"),
         ({"goal": {"robot_0": [9, 0]}}, r"a goal of robot_0 that is free .*, found \[9, 0\]"),
         ({"start": {"robot_0": [0, 0], "robot_1": [0.1, 0]}}, "where another model stands"),
         ([], "expected options as a dict"),
@@ -171,8 +146,6 @@ def test_wrong_options_change_nothing(options, message):
     actions = {agent: np.float32([0.5, 0.1]) for agent in a.agents}
     assert_same(a.step(actions), b.step(actions))
     assert_same(a.reset(), b.reset())
-    for env in (a, b):
-        env.close()
 
 
 def drive_to_the_goal(at_goal):
@@ -182,9 +155,8 @@ def drive_to_the_goal(at_goal):
     env.reset(seed=1, options=ends)
     infos = {}
     while "robot_0" in env.agents:
-        _, _, terminated, _, infos = env.step(
-            {"robot_0": np.float32([0.5, 0]), "robot_1": np.float32([0, 0])}
-        )
+        actions = {"robot_0": np.float32([0.5, 0]), "robot_1": np.float32([0, 0])}
+        _, _, terminated, _, infos = env.step(actions)
     assert terminated == {"robot_0": True, "robot_1": False}
     assert infos["robot_0"]["success"]
     return env
@@ -199,11 +171,9 @@ def test_a_robot_can_stay_at_its_goal():
         seen.append(observations["robot_1"]["ranges"][32] * 10)
     assert 2 < seen[0] < 3  # robot 0, not the wall at 8 m
     assert infos["robot_1"]["collision"]  # with robot 0
-    env.close()
     env = drive_to_the_goal("leave")
     observations, *_ = env.step(forwards)
     assert observations["robot_1"]["ranges"][32] * 10 > 7
-    env.close()
 
 
 def test_rewards_can_be_shared():
@@ -219,8 +189,6 @@ def test_rewards_can_be_shared():
         assert means == pytest.approx(dict.fromkeys(rewards, mean))
         assert halves == pytest.approx({a: (r + mean) / 2 for a, r in rewards.items()})
         assert own.agents == whole.agents
-    for env in (own, half, whole):
-        env.close()
 
 
 def test_the_state_describes_all_robots():
@@ -236,4 +204,3 @@ def test_the_state_describes_all_robots():
     assert there[4] > 0
     assert there[7:9] == pytest.approx(infos["robot_1"]["goal"])
     assert there[9] == 1
-    env.close()

@@ -98,8 +98,6 @@ def test_environments_equal_single_ones_to_the_bit(arguments):
         gone += (~infos["present"]).sum()
     assert ended > 3
     assert gone > 10 or not arguments.get("collision_ends", True)
-    envs.close()
-    singles.close()
 
 
 def test_worlds_without_batches_give_the_same(monkeypatch):
@@ -113,7 +111,6 @@ def test_worlds_without_batches_give_the_same(monkeypatch):
         for step in range(60):
             run.append(envs.step(np.full(envs.action_space.shape, 0.3 + 0.01 * step)))
         runs.append(run)
-        envs.close()
     assert_same(*runs)
 
 
@@ -130,8 +127,6 @@ def test_an_environment_does_not_depend_on_the_others():
         assert_same(a[0], b[0])
         actions = np.full(many.action_space.shape, 0.4)
         a, b = few.step(actions[:1])[0], many.step(actions)[0]
-    few.close()
-    many.close()
 
 
 def test_resets_by_mask():
@@ -153,7 +148,6 @@ def test_resets_by_mask():
     _, infos = envs.reset(options={"reset_mask": mask, "start": start})
     assert infos["present"].tolist() == [[True] * 2, [False] * 2, [True] * 2]
     assert infos["pose"][mask, 1].tolist() == [[1, 1, 0]] * 2
-    envs.close()
 
 
 def test_wrong_arguments():
@@ -174,7 +168,6 @@ def test_wrong_arguments():
     envs.reset(seed=1)
     with pytest.raises(UsageError, match=r"actions of shape \(2, 3, 2\), found \(2, 2\)"):
         envs.step(np.zeros((2, 2)))
-    envs.close()
 
 
 def test_pictures_show_a_robot_that_is_there():
@@ -184,4 +177,3 @@ def test_pictures_show_a_robot_that_is_there():
     assert pictures[0].shape == (480, 480, 3)
     assert pictures[0].any()
     assert not pictures[1].any()
-    envs.close()

@@ -1,6 +1,5 @@
 """The nearest other models in observations: by hand, in environments, policies and sweeps."""
 
-import json
 import math
 
 import numpy as np
@@ -65,32 +64,22 @@ def test_the_nearest_come_first_and_none_is_zeros():
 
 
 ROOM = [[-6, -6, 6, -6], [6, -6, 6, 6], [6, 6, -6, 6], [-6, 6, -6, -6]]
+DISC = {"type": "circle", "radius": 0.2, "density": 1}
+BOX = {"bodies": [{"name": "box", "type": "static", "footprints": [DISC]}]}
 HIDDEN = {
     "properties": {},
     "layers": [{"name": "walls", "map": {"segments": [*ROOM, [1, -0.5, 1, 0.5]]}}],
     "models": [
         {"name": "robot", "model": "package://flatland_gym/worlds/robot.model.yaml"},
-        *({"name": f"box_{x}_{y}", "pose": [x, y, 0], "model": "BOX"} for x, y in ((2, 0), (2, 3))),
+        *({"name": f"box_{x}_{y}", "pose": [x, y, 0], "model": BOX} for x, y in ((2, 0), (2, 3))),
     ],
-}
-BOX = {
-    "bodies": [
-        {
-            "name": "box",
-            "type": "static",
-            "footprints": [{"type": "circle", "radius": 0.2, "density": 1}],
-        }
-    ]
 }
 
 
 def gaps_of(**arguments):
     """1 / (1 + gap) of the neighbours of a robot at the origin."""
-    content = json.loads(json.dumps(HIDDEN).replace('"BOX"', json.dumps(BOX)))
-    env = make(world=content, neighbors=2, beams=8, **arguments)
-    observation = env.reset(seed=1, options={"start": [0, 0, 0], "goal": [-2, 0]})[0]
-    env.close()
-    return observation[-12::6]
+    env = make(world=HIDDEN, neighbors=2, beams=8, **arguments)
+    return env.reset(seed=1, options={"start": [0, 0, 0], "goal": [-2, 0]})[0][-12::6]
 
 
 def test_walls_hide_models():
@@ -106,17 +95,11 @@ def test_walls_hide_models():
 
 def test_lines_of_sight_end_at_walls():
     walls = LinesOfSight(np.array([[1.0, -1.0, 1.0, 1.0], [50.0, -1.0, 50.0, 1.0]]))
-    lines = [
-        [0, 0, 2, 0],
-        [0, 0, 0.9, 0],
-        [0, 0, 2, 3],
-        [2, 0, 40, 0],
-        [2, 0, 60, 0],
-        [2, 2, 60, 2],
-    ]
-    lines = np.array([*lines, [np.nan, 0, 2, 0]], float)
+    hit = [[0, 0, 2, 0], [2, 0, 60, 0]]
+    free = [[0, 0, 0.9, 0], [0, 0, 2, 3], [2, 0, 40, 0], [2, 2, 60, 2], [np.nan, 0, 2, 0]]
+    lines = np.array([*hit, *free], float)
 
-    assert walls.blocked(lines).tolist() == [True, False, False, False, True, False, False]
+    assert walls.blocked(lines).tolist() == [True] * 2 + [False] * 5
     assert not LinesOfSight(np.empty((0, 4))).blocked(lines).any()
 
 
@@ -127,7 +110,6 @@ def test_neighbor_noise_has_its_deviation_and_varies_by_step():
     for env, kept in zip((exact, noisy), values):
         kept.append(env.reset(seed=3)[0])
         kept.append(env.step(np.zeros((60, 2), np.float32))[0])
-        env.close()
     # Velocities are the fourth and fifth number; the order of the nearest differs with noise.
     for part in (3, 4):
         before, after = (
@@ -152,8 +134,6 @@ def test_neighbors_equal_in_single_and_vector_environments(arguments):
         alone = single.step(np.array([0.5, 0.1], np.float32))[0]
         together = many.step(np.full((2, 2), [0.5, 0.1], np.float32))[0]
     assert alone[-18] > 0.0
-    single.close()
-    many.close()
 
 
 def test_a_dict_has_them_as_a_part():
@@ -162,7 +142,6 @@ def test_a_dict_has_them_as_a_part():
     assert {name: part.shape for name, part in parts.items()} == {
         **{"ranges": (8,), "goal": (3,), "velocity": (2,), "neighbors": (3, 6)}
     }
-    env.close()
     with pytest.raises(UsageError, match="neighbors to be a whole number of 0 to 10000, found -1"):
         make(**{**CORRIDOR, "neighbors": -1})
 
@@ -187,7 +166,6 @@ def test_a_policy_is_told_them(tmp_path):
             policy.drive(*place, wrong)
     with pytest.raises(UsageError, match="found one with neighbors=3"):
         PolicyNode(policy, None, 0.3)
-    env.close()
 
 
 def test_a_scale_covers_all_rows_and_folds_into_a_layer():

@@ -9,8 +9,8 @@ from environments import assert_same, make, make_vector
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import SyncVectorEnv
 
-from flatland2d import UsageError
-from flatland_gym import MapCrop, ObservationPart
+from flatland2d import UsageError, world_content
+from flatland_gym import SCENARIOS, MapCrop, ObservationPart
 from flatland_gym.evaluation import StraightDriver, evaluate
 from flatland_gym.train import Mirror
 
@@ -53,25 +53,9 @@ def test_parts_in_a_dict_and_functions():
     check_env(env)
 
 
-def test_the_map_is_in_the_robots_frame(tmp_path):
-    (tmp_path / "walls.dat").write_text("-4 -3 -4 3\n-4 1.5 4 1.5\n")
-    (tmp_path / "walls.yaml").write_text(
-        "type: line_segments\ndata: walls.dat\nscale: 1\norigin: [0, 0, 0]\n"
-    )
-    disc = {"type": "circle", "radius": 0.2, "density": 1}
-    robot = {
-        "bodies": [{"name": "base", "footprints": [disc]}],
-        "plugins": [
-            {"type": "DiffDrive", "name": "drive", "body": "base"},
-            {"type": "Laser", "name": "laser", "body": "base", "range": 5,
-             "angle": {"min": -1, "max": 1, "increment": 0.5}},
-        ],
-    }  # fmt: skip
-    world = {
-        "properties": {},
-        "layers": [{"name": "map", "map": str(tmp_path / "walls.yaml")}],
-        "models": [{"name": "robot", "model": robot, "pose": [0, 0, 0]}],
-    }
+def test_the_map_is_in_the_robots_frame():
+    world = world_content(SCENARIOS["empty_room"].world)
+    world["layers"] = [{"name": "map", "map": {"segments": [[-4, -3, -4, 3], [-4, 1.5, 4, 1.5]]}}]
     env = make(world=world, observation=MapCrop(4, 1.0), flatten=False)
 
     def seen(*start):

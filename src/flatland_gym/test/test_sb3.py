@@ -13,12 +13,7 @@ pytest.importorskip("stable_baselines3")
 
 import torch
 from stable_baselines3 import PPO, SAC
-from stable_baselines3.common.vec_env import (
-    DummyVecEnv,
-    VecFrameStack,
-    VecMonitor,
-    VecNormalize,
-)
+from stable_baselines3.common.vec_env import DummyVecEnv, VecFrameStack, VecMonitor, VecNormalize
 
 from flatland_gym.multi_robot_vector_env import MultiRobotVectorEnv
 from flatland_gym.sb3 import MultiRobotVecEnv, NavigationVecEnv
@@ -89,7 +84,6 @@ def test_teams_are_rows_that_end_together(flatten):
     assert truncations > 0
     with pytest.raises(UsageError, match="expected actions of shape"):
         env.step(actions[0])
-    teams.close(), env.close()
 
 
 def test_one_policy_learns_to_drive_a_team():
@@ -98,7 +92,6 @@ def test_one_policy_learns_to_drive_a_team():
     model.learn(200)
     assert model.num_timesteps >= 200
     assert policy_of(model).act(np.zeros((5, 21), np.float32)).shape == (5, 2)
-    env.close()
 
 
 @pytest.mark.parametrize("kind", [NavigationVecEnv, MultiRobotVecEnv])
@@ -113,7 +106,6 @@ def test_ppo_learns_with_it():
     model = PPO("MlpPolicy", env, n_steps=64, batch_size=256, n_epochs=2, seed=1)
     model.learn(1500)
     assert model.num_timesteps >= 1500
-    env.close()
 
 
 @pytest.mark.parametrize("wrap", [ScaledActions, lambda env: env], ids=["scaled", "in units"])
@@ -129,7 +121,6 @@ def test_a_model_becomes_a_policy(wrap):
     found = policy_of(model).act(observations)
     assert found == pytest.approx(expected, abs=1e-5)
     assert np.unique(found).size > 4
-    env.close()
 
 
 def test_other_models_are_refused():
@@ -141,7 +132,6 @@ def test_other_models_are_refused():
         policy_of(SAC("MlpPolicy", env, buffer_size=10))
     with pytest.raises(UsageError, match="expected a model with a NavigationVecEnv"):
         policy_of(PPO("MlpPolicy", DummyVecEnv([lambda: make(**ARGUMENTS)]), n_steps=16))
-    env.close()
 
 
 @pytest.mark.parametrize(
@@ -155,7 +145,6 @@ def test_a_wrapper_that_changes_what_the_policy_sees_is_refused(wrap):
         policy_of(model)
     with pytest.raises(UsageError, match=f"expected no {name}"):
         mirrored(env)
-    env.close()
 
 
 def test_ppo_learns_from_mirror_images():
@@ -171,7 +160,6 @@ def test_ppo_learns_from_mirror_images():
     np.testing.assert_allclose(rows.observations.numpy(), observations)
     np.testing.assert_allclose(rows.actions.numpy(), actions)
     assert np.abs(rows.actions.numpy() - buffer.actions[chosen]).max() > 0.1
-    env.close()
 
 
 def test_a_lidar_off_the_axis_cannot_be_mirrored():
@@ -180,7 +168,6 @@ def test_a_lidar_off_the_axis_cannot_be_mirrored():
     env = NavigationVecEnv(2, world=content)
     with pytest.raises(UsageError, match="a lidar that looks to both sides alike"):
         mirrored(env)
-    env.close()
 
 
 def test_wrong_calls_are_refused():
@@ -190,4 +177,3 @@ def test_wrong_calls_are_refused():
     env.set_options([{"goal": [1, 1]}, {}])
     with pytest.raises(UsageError, match="the same options"):
         env.reset()
-    env.close()

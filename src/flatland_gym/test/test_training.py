@@ -54,7 +54,6 @@ def test_a_policy_drives_a_robot_through_messages(policy):
     """The node succeeds as in the environment."""
     env = make(**SETTINGS)
     reached = [drive(policy, env, seed) for seed in range(10)]
-    env.close()
 
     assert sum(reached) >= 9
 
@@ -235,6 +234,11 @@ def with_a_header_of_terabytes(path):
             archive.writestr(name, data)
 
 
+def cut(path):
+    untrained().save(path)
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
 def with_an_odd_flag(path):
     rewritten(path)
     content = bytearray(path.read_bytes())
@@ -243,53 +247,37 @@ def with_an_odd_flag(path):
 
 
 @pytest.mark.parametrize(
-    "spoil",
+    ("spoil", "message"),
     [
-        with_a_header_of_terabytes,
-        with_an_odd_flag,
-        lambda path: path.symlink_to("/dev/zero"),
-        os.mkfifo,
-        Path.mkdir,
-        Path.touch,
-        *(partial(rewritten, period=np.array(period)) for period in (0.0, -1.0, np.nan)),
-        partial(rewritten, max_range=np.array(np.nan)),
-        partial(rewritten, action_limits=np.array([np.nan, 1.0])),
-        partial(rewritten, velocity_limits=np.array([np.inf, 0.0, 1.0])),
-        partial(rewritten, beams=np.array(10**9)),
-        partial(rewritten, layers=np.array(10**9)),
+        (with_a_header_of_terabytes, ""),
+        (with_an_odd_flag, ""),
+        (cut, "file of a policy, but .*not a zip file"),
+        (lambda path: None, "cannot be read: No such file"),
+        (lambda path: path.write_text("policy"), "expected a file of a policy, but"),
+        (lambda path: np.savez(path, a=np.zeros(3)), "expected a file of a policy, but"),
+        (lambda path: path.symlink_to("/dev/zero"), ""),
+        *((make, "") for make in (os.mkfifo, Path.mkdir, Path.touch)),
+        *((partial(rewritten, period=np.array(period)), "") for period in (0.0, -1.0, np.nan)),
+        (partial(rewritten, max_range=np.array(np.nan)), ""),
+        (partial(rewritten, action_limits=np.array([np.nan, 1.0])), ""),
+        (partial(rewritten, velocity_limits=np.array([np.inf, 0.0, 1.0])), ""),
+        (partial(rewritten, bias_0=np.array([np.nan, 0.0])), "finite"),
+        (partial(rewritten, beams=np.array(5)), "10 inputs"),
+        (partial(rewritten, beams=np.array(10**9)), ""),
+        (partial(rewritten, layers=np.array(10**9)), ""),
     ],
 )
-def test_a_file_that_is_no_sound_policy_is_refused(tmp_path, spoil):
+def test_a_file_that_is_no_sound_policy_is_refused(tmp_path, spoil, message):
     path = tmp_path / "a.npz"
     spoil(path)
 
-    with pytest.raises(FlatlandError, match=r"a\.npz"):
+    with pytest.raises(FlatlandError, match=message) as error:
         Policy.load(path)
+    assert "a.npz" in str(error.value)
 
 
 def test_the_policy_of_the_package_is_known_by_name():
     assert Policy.load("discs").beams == 64
-
-
-def test_other_files_are_named(tmp_path):
-    (tmp_path / "text.npz").write_text("policy")
-    np.savez(tmp_path / "other.npz", a=np.zeros(3))
-    with pytest.raises(FlatlandError, match=r"expected a file of a policy, but .*text\.npz"):
-        Policy.load(tmp_path / "text.npz")
-    with pytest.raises(FlatlandError, match=r"expected a file of a policy, but .*other\.npz"):
-        Policy.load(tmp_path / "other.npz")
-    with pytest.raises(FlatlandError, match="cannot be read: No such file"):
-        Policy.load(tmp_path / "none.npz")
-
-    untrained().save(tmp_path / "whole.npz")
-    content = (tmp_path / "whole.npz").read_bytes()
-    arrays = dict(np.load(tmp_path / "whole.npz"))
-    (tmp_path / "part.npz").write_bytes(content[: len(content) // 2])
-    np.savez(tmp_path / "shape.npz", **{**arrays, "beams": 5})
-    np.savez(tmp_path / "nan.npz", **{**arrays, "bias_0": np.array([np.nan, 0.0])})
-    for name, message in (("part", "not a zip file"), ("shape", "10 inputs"), ("nan", "finite")):
-        with pytest.raises(FlatlandError, match=rf"file of a policy, but .*{name}\.npz.*{message}"):
-            Policy.load(tmp_path / f"{name}.npz")
 
 
 def test_a_policy_takes_what_robots_measure():

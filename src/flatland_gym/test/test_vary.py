@@ -50,7 +50,6 @@ def test_episodes_are_those_of_simulations_whose_files_have_the_values(make_env,
         env.load_states(states)
         found[-1] += [env.step(np.ones(env.action_space.shape, np.float32))]
         assert_same(found[-1][-2], found[-1][-1])
-        env.close()
     assert_same(*found)
     values = np.concatenate([each[-1]["vary"].reshape(-1, len(VARY)) for each in found[0]])
     assert len(np.unique(values[:, 0])) > COUNT
@@ -70,17 +69,14 @@ def test_values_are_drawn_within_the_ranges_or_given_for_each_environment():
     env.unwrapped.reset_options = {"vary": {RANGE: (3.0, 4.0), SPEED: 0.5}}
     _, infos = env.reset()
     assert (abs(infos["vary"] - [3.5, 0.5]) <= [0.5, 0.0]).all()
-    speeds, ends = (
-        np.linspace(0.4, 1.0, 64),
-        np.column_stack([np.linspace(-3, 3, 64), np.zeros(64)]),
-    )
+    speeds = np.linspace(0.4, 1.0, 64)
+    ends = np.column_stack([np.linspace(-3, 3, 64), np.zeros(64)])
     goals = ends + np.array([0.0, 3.0])
     env.unwrapped.reset_options = {"vary": {SPEED: speeds}, "start": ends, "goal": goals}
     _, infos = env.reset()
     assert np.array_equal(infos["vary"][:, 1], speeds)
     assert np.allclose(infos["pose"][:, :2], ends)
     assert np.array_equal(infos["goal"], goals)
-    env.close()
 
 
 @pytest.mark.parametrize(
@@ -107,7 +103,6 @@ def test_wrong_options_are_refused(options, message):
         env.reset(options=options)
     with pytest.raises(UsageError, match=message):
         env.unwrapped.reset_options = options
-    env.close()
 
 
 def test_wrong_arguments_are_refused():

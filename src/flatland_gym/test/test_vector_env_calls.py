@@ -19,7 +19,6 @@ def test_seeds_may_be_one_for_all_or_one_for_each():
     assert not np.array_equal(one[0], later[0])
     env.reset(seed=5)
     assert_same(env.reset(), later)
-    env.close()
 
 
 WRONG_ACTIONS = [
@@ -83,10 +82,7 @@ def test_a_step_after_an_end_is_refused_without_autoreset():
     [
         ({"num_envs": 0}, "expected num_envs to be a whole number above 0, found 0"),
         ({"num_envs": 2, "threads": 1.5}, "expected threads to be a whole number"),
-        (
-            {"num_envs": 2, "max_episode_steps": 0},
-            "expected max_episode_steps to be",
-        ),
+        ({"num_envs": 2, "max_episode_steps": 0}, "expected max_episode_steps to be"),
         ({"num_envs": 2, "autoreset_mode": "Never"}, "expected autoreset_mode to be one of"),
         ({"num_envs": 2, "render_mode": "human"}, "for a single environment"),
         ({"num_envs": 2, "render_envs": 0}, "expected render_envs to be a whole number above 0"),

@@ -54,7 +54,6 @@ def test_a_saved_state_continues_here_and_in_another_environment(make_crowded):
     assert_same(drive(env, 60, 2), expected)
     other.load_states(states)
     assert_same(drive(other, 60, 2), expected)
-    env.close(), other.close()
 
 
 def test_a_mask_chooses_and_one_state_branches_into_many(make_crowded):
@@ -72,7 +71,6 @@ def test_a_mask_chooses_and_one_state_branches_into_many(make_crowded):
 
     observations, _ = wide.load_states(state)
     assert (observations == after[2]).all()
-    env.close(), wide.close()
 
 
 def test_states_with_another_number_of_robots_are_refused(fleet):
@@ -84,7 +82,6 @@ def test_states_with_another_number_of_robots_are_refused(fleet):
     three = MultiRobotVectorEnv(1, robots=3, world="discs")
     with pytest.raises(FlatlandError, match="expected states with 3 robots, found 2"):
         three.load_states(env.save_states())
-    env.close(), single.close(), three.close()
 
 
 def test_wrong_states_are_refused(make_crowded):
@@ -100,4 +97,3 @@ def test_wrong_states_are_refused(make_crowded):
     with pytest.raises(FlatlandError, match="expected mask as an array of 4 booleans"):
         env.load_states(states[0], [True])
     assert env.save_states() == states
-    env.close()

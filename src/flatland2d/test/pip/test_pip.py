@@ -68,14 +68,8 @@ except Exception as error:
 
 def declared(xml):
     """Name, base and class path of each plugin in an XML file."""
-    return [
-        (
-            element.get("name"),
-            element.get("base_class_type").rpartition(".")[2],
-            element.get("type"),
-        )
-        for element in ElementTree.parse(xml).iter("class")
-    ]
+    classes = [each.attrib for each in ElementTree.parse(xml).iter("class")]
+    return [(c["name"], c["base_class_type"].rpartition(".")[2], c["type"]) for c in classes]
 
 
 BUILT_IN = declared(ROOT / "src" / "flatland_plugins" / "flatland_plugins.xml")
@@ -96,15 +90,11 @@ def test_the_wheel_has_packages_worlds_and_definitions_only(wheel):
     with zipfile.ZipFile(wheel) as archive:
         names = archive.namelist()
 
-    assert {name.partition("/")[0].partition("-")[0] for name in names} == {
-        "flatland2d",
-        "flatland_gym",
-        "flatland_navigation",
-        "flatland_plugins",
-        "flatland_bridge",
-        "flatland_server",
-        "flatland_teleop",
+    ours = {
+        f"flatland_{each}"
+        for each in ["bridge", "gym", "navigation", "plugins", "server", "teleop"]
     }
+    assert {name.partition("/")[0].partition("-")[0] for name in names} == {"flatland2d", *ours}
     assert not [name for name in names if "__pycache__" in name or "/test/" in name]
     server = {name.partition("/")[2] for name in names if name.startswith("flatland_server/")}
     assert {"py.typed", "_core.pyi", "worlds/office/office.png"} <= server
@@ -159,12 +149,9 @@ def test_box2d_from_source_gives_the_same_bits_in_the_office(library, builder, t
     if not source:
         pytest.skip("FLATLAND_BOX2D_SOURCE names no folder with the source of Box2D 2.4.1")
     pip_environments.copy_sources(tmp_path)
-    wheel = builder.wheel(
-        tmp_path / "wheel",
-        tmp_path,
-        "cmake.define.FLATLAND_BOX2D=source",
-        f"cmake.define.FETCHCONTENT_SOURCE_DIR_BOX2D={source}",
-    )
+    defines = ("FLATLAND_BOX2D=source", f"FETCHCONTENT_SOURCE_DIR_BOX2D={source}")
+    settings = [f"cmake.define.{each}" for each in defines]
+    wheel = builder.wheel(tmp_path / "wheel", tmp_path, *settings)
     library.pip("install", "--no-deps", "--no-index", f"--target={tmp_path / 'source'}", wheel)
 
     from_source = json.loads(library.run(DRIVE_THE_OFFICE, PYTHONPATH=tmp_path / "source"))

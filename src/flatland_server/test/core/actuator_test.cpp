@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <memory>
 #include <stdexcept>
 
 #include "batch/world_batch.hpp"
 #include "test_bodies.hpp"
+#include "test_numbers.hpp"
 
 namespace flatland {
 namespace {
@@ -20,7 +20,7 @@ ActuatorSettings Linear(const AxisSettings& axis) {
   return settings;
 }
 
-class ActuatedRobot : public testing::Test {
+class ActuatedRobot : public WorldTest {
  protected:
   World::Drive Add(const ActuatorSettings& actuator, const DynamicsLimits& linear = {}) {
     body_ = AddBox(world_, {}, 0.4);
@@ -29,14 +29,12 @@ class ActuatedRobot : public testing::Test {
   double x() const { return world_.GetPose(body_).x; }
   double speed() const { return world_.GetLocalVelocity(body_).vx; }
 
-  World world_{10, 10};
   World::Body body_;
 };
 
 TEST(ActuatorSettings, AreRefusedIfTheyAreNegativeNotFiniteOrTooLong) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const AxisSettings& axis :
-       {AxisSettings{-0.1}, AxisSettings{nan}, AxisSettings{10.1}, AxisSettings{0.0, -1.0},
+       {AxisSettings{-0.1}, AxisSettings{kNaN}, AxisSettings{10.1}, AxisSettings{0.0, -1.0},
         AxisSettings{0.0, 0.0, -1.0}, AxisSettings{0.0, 0.0, 0.0, 2e9}}) {
     EXPECT_THROW(Actuator(Linear(axis), false), std::invalid_argument);
   }
@@ -147,10 +145,8 @@ TEST_F(ActuatedRobot, HasNoiseThatIsTheSameWithStepsOfAnyLength) {
     SCOPED_TRACE(testing::Message() << step << " " << lag);
     World world{1, 1};
     std::vector<World::Body> robots;
-    FixtureSettings ghost = Solid();
-    ghost.collides = false;
     for (int i = 0; i < kRobots; ++i) {
-      robots.push_back(AddBox(world, {}, 0.4, ghost));
+      robots.push_back(AddBox(world, {}, 0.4, Ghost()));
       ActuatorSettings settings = Linear({0.0, lag, 0.0, 1e-3});
       settings.key = i;
       world.Get(world.AddDrive(robots.back(), {}, {}, settings)).Command({1.0, 0.0, 0.0});
@@ -165,7 +161,7 @@ TEST_F(ActuatedRobot, HasNoiseThatIsTheSameWithStepsOfAnyLength) {
   }
 }
 
-class ActuatedTricycle : public testing::Test {
+class ActuatedTricycle : public WorldTest {
  protected:
   ActuatedTricycle() {
     const World::Body wheel = AddBox(world_, {}, 0.1);
@@ -179,7 +175,6 @@ class ActuatedTricycle : public testing::Test {
     return world_.AddTricycle(base_, joint_, settings);
   }
 
-  World world_{10, 10};
   World::Body base_ = AddBox(world_, {}, 1.0);
   World::Joint joint_;
 };
@@ -233,10 +228,7 @@ class ActuatedWorld {
     settings.command_timeout = 0.2;
     settings.key = 7;
     drive_ = world_->AddDrive(body_, {1.0, 1.0, 0.0}, {}, settings);
-    LidarSettings lidar;
-    lidar.fan = std::make_shared<BeamFan>(0.0, 0.1, 1);
-    lidar.scan.range = 5.0;
-    lidar_ = world_->lidars().Add(body_, lidar);
+    lidar_ = world_->lidars().Add(body_, LidarOf(0.0, 0.1, 1));
   }
   void Drive(World& world, int steps) {
     for (int i = 0; i < steps; ++i) {

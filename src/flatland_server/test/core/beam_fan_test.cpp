@@ -18,44 +18,27 @@ void ExpectDirection(Vec2 direction, double angle) {
   EXPECT_NEAR(direction.y, std::sin(angle), 1e-12);
 }
 
-TEST(BeamFan, GoesCounterClockwise) {
-  const BeamFan fan(-0.5, 0.25, 5);
+TEST(BeamFan, GoesByItsIncrementFromItsFirstAngle) {
+  for (const double sign : {1.0, -1.0}) {  // counterclockwise, and clockwise
+    const BeamFan fan(-0.5 * sign, 0.25 * sign, 5);
 
-  ASSERT_EQ(fan.size(), 5);
-  ExpectDirection(fan.direction(0), -0.5);
-  ExpectDirection(fan.direction(1), -0.25);
-  ExpectDirection(fan.direction(4), 0.5);
+    ASSERT_EQ(fan.size(), 5);
+    for (int beam = 0; beam < 5; ++beam) {
+      ExpectDirection(fan.direction(beam), sign * (0.25 * beam - 0.5));
+    }
+  }
+  const BeamFan single(2.0, 0.0, 1);  // one needs no increment
+  ASSERT_EQ(single.size(), 1);
+  ExpectDirection(single.direction(0), 2.0);
 }
 
-TEST(BeamFan, GoesClockwiseWithANegativeIncrement) {
-  const BeamFan fan(0.5, -0.25, 5);
-
-  ASSERT_EQ(fan.size(), 5);
-  ExpectDirection(fan.direction(0), 0.5);
-  ExpectDirection(fan.direction(1), 0.25);
-  ExpectDirection(fan.direction(4), -0.5);
-}
-
-TEST(BeamFan, OneBeamNeedsNoIncrement) {
-  const BeamFan fan(2.0, 0.0, 1);
-
-  ASSERT_EQ(fan.size(), 1);
-  ExpectDirection(fan.direction(0), 2.0);
-}
-
-TEST(BeamFan, RefusesAnglesThatAreNotFinite) {
+TEST(BeamFan, RefusesAnglesThatAreNotFiniteNoBeamsAndTwoInOneDirection) {
   for (double bad : {kNaN, kInfinity, -kInfinity}) {
     EXPECT_THROW(BeamFan(bad, 0.1, 3), std::invalid_argument);
     EXPECT_THROW(BeamFan(0.0, bad, 3), std::invalid_argument);
   }
-}
-
-TEST(BeamFan, RefusesNoBeams) {
   EXPECT_THROW(BeamFan(0.0, 0.1, 0), std::invalid_argument);
   EXPECT_THROW(BeamFan(0.0, 0.1, -1), std::invalid_argument);
-}
-
-TEST(BeamFan, RefusesTwoBeamsInOneDirection) {
   EXPECT_THROW(BeamFan(0.0, 0.0, 2), std::invalid_argument);
 }
 

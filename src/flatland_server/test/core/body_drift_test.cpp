@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <stdexcept>
 
 #include "test_bodies.hpp"
+#include "test_numbers.hpp"
 
 namespace flatland {
 namespace {
@@ -98,7 +98,7 @@ TEST_F(BodyDriftWorldTest, ASavedStateGoesOnAlike) {
 }
 
 TEST_F(BodyDriftWorldTest, RefusesVariancesThatAreNone) {
-  for (const double wrong : {-1.0, std::numeric_limits<double>::quiet_NaN()}) {
+  for (const double wrong : {-1.0, kNaN}) {
     EXPECT_THROW(Add(1, {wrong, 0, 0, 0, {}}), std::invalid_argument);
     EXPECT_THROW(Add(1, {0, 0, 0, 0, {0, wrong, 0}}), std::invalid_argument);
     EXPECT_THROW(Add(1, {0, 0, 0, 0, {}, {0, 0, wrong}}), std::invalid_argument);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "reference_motion.hpp"
+#include "test_bodies.hpp"
 #include "test_numbers.hpp"
 #include "world/world.hpp"
 
@@ -31,46 +32,25 @@ TEST(BodyDrive, RefusesACommandThatIsNotFiniteAndKeepsTheOldOne) {
   EXPECT_THROW(drive.Command({0.0, kInfinity, 0.0}), std::invalid_argument);
   EXPECT_THROW(drive.Command({0.0, 0.0, kNaN}), std::invalid_argument);
 
-  EXPECT_EQ(drive.target().vx, 0.5);
-  EXPECT_EQ(drive.target().vy, 0.1);
-  EXPECT_EQ(drive.target().omega, 0.2);
+  ExpectTwist(drive.target(), {0.5, 0.1, 0.2}, 0.0);
 }
 
-class DrivenRobot : public testing::Test {
+class DrivenRobot : public WorldTest {
  protected:
-  static constexpr double kStep = 0.005;
-
-  World::Body AddRobot(const Pose& pose) {
-    BodySettings settings;
-    settings.pose = pose;
-    const World::Body robot = world_.AddBody(settings);
-    FixtureSettings footprint;
-    footprint.density = 1.0;
-    // The centre of mass lies well off the origin.
-    world_.AddCircle(robot, {0.3, 0.1}, 0.2, footprint);
-    return robot;
-  }
+  // Its centre of mass lies well off its origin.
+  World::Body AddRobot(const Pose& pose) { return AddDisc(world_, pose, 0.2, Solid(), {0.3, 0.1}); }
 
   // Four wheels of a fifth of the robot's mass each: two are welded to it, two turn on it freely.
   void AddWheels(World::Body robot) {
-    FixtureSettings tyre;
-    tyre.density = 0.8;
-    const Vec2 places[] = {{-0.1, 0.4}, {-0.1, -0.2}, {0.6, 0.4}, {0.6, -0.2}};
-    for (const Vec2 place : places) {
+    for (const Vec2 place : {Vec2{-0.1, 0.4}, {-0.1, -0.2}, {0.6, 0.4}, {0.6, -0.2}}) {
       const Vec2 at = world_.ToWorldPoint(robot, place);
-      BodySettings settings;
-      settings.pose = {at.x, at.y, world_.GetPose(robot).yaw};
-      const World::Body wheel = world_.AddBody(settings);
-      world_.AddCircle(wheel, {0.0, 0.0}, 0.1, tyre);
+      const Pose pose{at.x, at.y, world_.GetPose(robot).yaw};
+      const World::Body wheel = AddDisc(world_, pose, 0.1, Dense(0.8));
       EXPECT_NEAR(world_.GetMass(wheel) / world_.GetMass(robot), 0.2, 1e-6);
-      WeldSettings weld;
       RevoluteSettings hinge;
-      weld.anchor_a = hinge.anchor_a = place;
-      if (place.x < 0.0) {
-        world_.AddWeld(robot, wheel, weld);
-      } else {
-        world_.AddRevolute(robot, wheel, hinge);
-      }
+      hinge.anchor_a = place;
+      if (place.x < 0.0) world_.AddWeld(robot, wheel, WeldAt(place));
+      if (place.x >= 0.0) world_.AddRevolute(robot, wheel, hinge);
     }
   }
 
@@ -85,15 +65,10 @@ class DrivenRobot : public testing::Test {
 
       const double time = step * step_length;
       expected = Travel(expected, time - step_length, time, twist_at);
-      const Pose pose = world_.GetPose(robot);
-      ASSERT_LT(std::hypot(pose.x - expected.x, pose.y - expected.y), place_tolerance)
-          << "step " << step;
-      ASSERT_NEAR(std::remainder(pose.yaw - expected.yaw, 2.0 * M_PI), 0.0, place_tolerance)
-          << "step " << step;
-      const Twist twist = twist_at(time), velocity = world_.GetLocalVelocity(robot);
-      ASSERT_NEAR(velocity.vx, twist.vx, velocity_tolerance) << "step " << step;
-      ASSERT_NEAR(velocity.vy, twist.vy, velocity_tolerance) << "step " << step;
-      ASSERT_NEAR(velocity.omega, twist.omega, velocity_tolerance) << "step " << step;
+      SCOPED_TRACE(step);
+      ExpectPose(world_.GetPose(robot), expected, place_tolerance);
+      ExpectTwist(world_.GetLocalVelocity(robot), twist_at(time), velocity_tolerance);
+      if (HasFailure()) return;
     }
   }
 
@@ -117,21 +92,13 @@ TEST_F(DrivenRobot, DrivesStraight) {
   const World::Body robot = AddRobot({0.0, 0.0, M_PI / 2});
   world_.Get(world_.AddDrive(robot, {}, {})).Command({0.4, 0.1, 0.0});
 
-  for (int step = 0; step < 1000; ++step) world_.Step(kStep);
+  StepTimes(world_, 1000);
 
-  const Pose pose = world_.GetPose(robot);
-  EXPECT_NEAR(pose.x, -0.5, 2e-4);
-  EXPECT_NEAR(pose.y, 2.0, 2e-4);
-  EXPECT_NEAR(pose.yaw, M_PI / 2, 1e-6);
-}
-
-TEST_F(DrivenRobot, DrivesStraightFarFromTheOrigin) {
-  const World::Body robot = AddRobot({50.0, 40.0, 0.0});
-  world_.Get(world_.AddDrive(robot, {}, {})).Command({0.8, 0.0, 0.0});
-
-  for (int step = 0; step < 2000; ++step) world_.Step(kStep);
-
-  EXPECT_NEAR(world_.GetPose(robot).x, 58.0, 2e-5);
+  ExpectPose(world_.GetPose(robot), {-0.5, 2.0, M_PI / 2}, 2e-4);
+  const World::Body far = AddRobot({50.0, 40.0, 0.0});
+  world_.Get(world_.AddDrive(far, {}, {})).Command({0.8, 0.0, 0.0});
+  StepTimes(world_, 2000);
+  EXPECT_NEAR(world_.GetPose(far).x, 58.0, 2e-5);
 }
 
 // Up to the limit of 0.8 m/s at 0.2 m/s^2, along it, and from 6 s on down and back.
@@ -205,10 +172,7 @@ TEST_F(LimitedRobot, FollowsItsRampInADirectionOfItsOwn) {
 TEST_F(DrivenRobot, LetsASpringSwing) {
   const World::Body robot = AddRobot({});
   const World::Body arm = world_.AddBody({});
-  FixtureSettings settings;
-  settings.density = 0.01;
-  settings.collides = false;
-  world_.AddCircle(arm, {0.0, 0.0}, 0.1, settings);
+  world_.AddCircle(arm, {0.0, 0.0}, 0.1, {0.01, 0.0, 0.0, false, false});
   WeldSettings spring;
   spring.frequency = 1.0;
   const World::Joint joint = world_.AddWeld(robot, arm, spring);
@@ -229,16 +193,11 @@ TEST_F(DrivenRobot, LetsASpringSwing) {
 
 // Damping must not count as an obstacle. Box2D divides by 1 + damping * dt in every step.
 TEST_F(DrivenRobot, IsAsFastAsItsDampingLetsIt) {
-  BodySettings settings;
-  settings.linear_damping = 8.0;
-  settings.angular_damping = 4.0;
-  const World::Body robot = world_.AddBody(settings);
-  FixtureSettings footprint;
-  footprint.density = 1.0;
-  world_.AddCircle(robot, {0.0, 0.0}, 0.2, footprint);
+  const World::Body robot = world_.AddBody({b2_dynamicBody, {}, 8.0, 4.0});
+  world_.AddCircle(robot, {0.0, 0.0}, 0.2, Solid());
   world_.Get(world_.AddDrive(robot, {}, {})).Command({0.5, 0.0, 1.0});
 
-  for (int step = 0; step < 100; ++step) world_.Step(kStep);
+  StepTimes(world_, 100);
 
   const Twist velocity = world_.GetLocalVelocity(robot);
   EXPECT_NEAR(velocity.vx, 0.5 / (1.0 + 8.0 * kStep), 1e-4);
@@ -251,12 +210,7 @@ class RobotAtAWall : public DrivenRobot {
 
   // Regardless of its reported velocity, it does not come nearer to the wall.
   void ExpectNoPhantomVelocity(const DynamicsLimits& limits, double heading) {
-    BodySettings settings;
-    settings.pose = {1.0, -50.0, heading};
-    const World::Body robot = world_.AddBody(settings);
-    FixtureSettings footprint;
-    footprint.density = 1.0;
-    world_.AddCircle(robot, {0.05, 0.0}, 0.3, footprint);
+    const World::Body robot = AddDisc(world_, {1.0, -50.0, heading}, 0.3, Solid(), {0.05, 0.0});
     world_.Get(world_.AddDrive(robot, limits, {})).Command({1.0, 0.0, 0.0});
     const double until_it_is_there = 2.0 + 1.0 / std::cos(heading);
     for (int step = 0; step * kStep < 10.0 + until_it_is_there; ++step) world_.Step(kStep);
@@ -277,21 +231,9 @@ class RobotAtAWall : public DrivenRobot {
   }
 };
 
-TEST_F(RobotAtAWall, HasNoPhantomVelocity) {
-  for (const double acceleration : {0.0, 0.1, 0.3, 5.0}) {
-    SCOPED_TRACE(acceleration);
-    ExpectNoPhantomVelocity({acceleration, acceleration, 0.0}, 0.0);
-  }
-}
-
 // Nor the velocity that a step of acceleration would add.
 TEST_F(RobotAtAWall, HasNoPhantomVelocityWhileItWouldSpeedUp) {
-  BodySettings settings;
-  settings.pose = {1.705, 0.0, 0.0};
-  const World::Body robot = world_.AddBody(settings);
-  FixtureSettings footprint;
-  footprint.density = 1.0;
-  world_.AddCircle(robot, {0.0, 0.0}, 0.3, footprint);
+  const World::Body robot = AddDisc(world_, {1.705, 0.0, 0.0}, 0.3);
   world_.Get(world_.AddDrive(robot, {10.0, 10.0, 0.0}, {})).Command({1.0, 0.0, 0.0});
 
   for (int step = 0; step < 40; ++step) {
@@ -301,9 +243,9 @@ TEST_F(RobotAtAWall, HasNoPhantomVelocityWhileItWouldSpeedUp) {
   EXPECT_NEAR(world_.GetPose(robot).x, 1.7, 0.01);
 }
 
-TEST_F(RobotAtAWall, HasNoPhantomVelocityAlongIt) {
-  for (const double heading : {1.55, 1.52, 1.48, 1.3, 0.8, -0.8, -1.5}) {
-    for (const double acceleration : {0.0, 0.3, 5.0}) {
+TEST_F(RobotAtAWall, HasNoPhantomVelocityTowardsItAndAlongIt) {
+  for (const double heading : {0.0, 1.55, 1.52, 1.48, 1.3, 0.8, -0.8, -1.5}) {
+    for (const double acceleration : {0.0, 0.1, 0.3, 5.0}) {
       SCOPED_TRACE(testing::Message() << heading << " rad, " << acceleration << " m/s^2");
       ExpectNoPhantomVelocity({acceleration, acceleration, 0.0}, heading);
     }
@@ -314,18 +256,16 @@ TEST_F(DrivenRobot, StandsStillAfterAReset) {
   const World::Body robot = AddRobot({});
   BodyDrive& drive = world_.Get(world_.AddDrive(robot, {1.0, 1.0, 0.0}, {}));
   drive.Command({1.0, 0.0, 1.0});
-  for (int step = 0; step < 10; ++step) world_.Step(kStep);
+  StepTimes(world_, 10);
 
   drive.Reset();
   const Pose before = world_.GetPose(robot);
   world_.Step(kStep);
 
   const Pose after = world_.GetPose(robot);
-  EXPECT_EQ(after.x, before.x);
-  EXPECT_EQ(after.y, before.y);
-  EXPECT_EQ(after.yaw, before.yaw);
-  EXPECT_EQ(drive.target().vx, 0.0);
-  EXPECT_EQ(drive.velocity().vx, 0.0);
+  EXPECT_EQ(after, before);
+  ExpectTwist(drive.target(), {}, 0.0);
+  ExpectTwist(drive.velocity(), {}, 0.0);
 }
 
 }  // namespace

@@ -13,8 +13,7 @@ namespace flatland {
 namespace {
 
 TEST_F(WorldTest, VelocityIsThatOfTheOrigin) {
-  const World::Body body = world_.AddBody(At({1, 1, M_PI / 2}));
-  world_.AddCircle(body, {0.3, 0}, 0.2, Solid());
+  const World::Body body = AddDisc(world_, {1, 1, M_PI / 2}, 0.2, Solid(), {0.3, 0});
 
   world_.SetVelocity(body, {1, 0, 2});
 
@@ -24,10 +23,8 @@ TEST_F(WorldTest, VelocityIsThatOfTheOrigin) {
 
 // A body with its centre of mass at (0.3, 0.1) in its frame: 2 m by 1 m, 2 kg/m^2, so 4 kg.
 World::Body AddPlank(World& world, const Pose& pose) {
-  FixtureSettings wood = Solid();
-  wood.density = 2.0;
   const World::Body plank = world.AddBody(At(pose));
-  world.AddPolygon(plank, {{-0.7, -0.4}, {1.3, -0.4}, {1.3, 0.6}, {-0.7, 0.6}}, wood);
+  world.AddPolygon(plank, {{-0.7, -0.4}, {1.3, -0.4}, {1.3, 0.6}, {-0.7, 0.6}}, Dense(2.0));
   return plank;
 }
 
@@ -57,48 +54,31 @@ TEST_F(WorldTest, WhatIsNotDynamicHasNoMass) {
   }
 }
 
-TEST_F(WorldTest, ForceAtTheCentreDoesNotRotate) {
-  const World::Body plank = AddPlank(world_, {5, 6, 0.4});
-
-  world_.ApplyForce(plank, {8, -4});
-  world_.Step(0.01);
-
-  EXPECT_EQ(world_.GetVelocity(plank).omega, 0.0);
-  ExpectPoint(world_.GetVelocityAt(plank, world_.GetCenter(plank)), {0.02, -0.01}, 1e-6);
-}
-
 TEST_F(WorldTest, ForceAtAPointRotatesByItsArm) {
-  const World::Body plank = AddPlank(world_, {5, 6, 0.4});
-  const Vec2 center = world_.GetCenter(plank), point{7, 5.5}, force{8, -4};
+  for (const bool is_at_centre : {true, false}) {
+    const World::Body plank = AddPlank(world_, {5, 6, 0.4});
+    const Vec2 center = world_.GetCenter(plank), point{7, 5.5}, force{8, -4};
 
-  world_.ApplyForce(plank, force, point);
-  world_.Step(0.01);
+    if (is_at_centre) world_.ApplyForce(plank, force);
+    if (!is_at_centre) world_.ApplyForce(plank, force, point);
+    world_.Step(0.01);
 
-  const double torque = Cross(point - center, force);
-  EXPECT_NEAR(world_.GetVelocity(plank).omega, 0.01 * torque / kPlankInertia, 1e-6);
-  ExpectPoint(world_.GetVelocityAt(plank, world_.GetCenter(plank)), {0.02, -0.01}, 1e-6);
-}
-
-TEST_F(WorldTest, TorqueRotatesAboutTheCentre) {
-  const World::Body plank = AddPlank(world_, {5, 6, 0.4});
-
-  world_.ApplyTorque(plank, -3.0);
-  world_.Step(0.01);
-
-  EXPECT_NEAR(world_.GetVelocity(plank).omega, -0.01 * 3.0 / kPlankInertia, 1e-6);
-  ExpectPoint(world_.GetVelocityAt(plank, world_.GetCenter(plank)), {0, 0}, 1e-6);
+    const double torque = is_at_centre ? 0.0 : Cross(point - center, force);
+    EXPECT_NEAR(world_.GetVelocity(plank).omega, 0.01 * torque / kPlankInertia, 1e-6);
+    ExpectPoint(world_.GetVelocityAt(plank, world_.GetCenter(plank)), {0.02, -0.01}, 1e-6);
+    world_.RemoveBody(plank);
+  }
 }
 
 TEST_F(WorldTest, ForcesLastForOneStep) {
   const World::Body plank = AddPlank(world_, {5, 6, 0.4});
   world_.ApplyForce(plank, {4, 0});
   world_.ApplyForce(plank, {4, -4});
-  world_.ApplyTorque(plank, 1.0);
+  world_.ApplyTorque(plank, -3.0);  // about the centre
 
   StepTimes(world_, 10);
 
-  const Twist velocity = world_.GetVelocity(plank);
-  EXPECT_NEAR(velocity.omega, kStep / kPlankInertia, 1e-6);
+  EXPECT_NEAR(world_.GetVelocity(plank).omega, -3.0 * kStep / kPlankInertia, 1e-6);
   ExpectPoint(world_.GetVelocityAt(plank, world_.GetCenter(plank)), {kStep * 8 / 4, -kStep * 4 / 4},
               1e-6);
 }
@@ -130,27 +110,7 @@ TEST_F(WorldTest, VelocityAtAPointIncludesTheRotation) {
 }
 
 TEST_F(WorldTest, PushesWakeABody) {
-  const std::pair<const char*, std::function<void(World::Body)>> pushes[] = {
-      {"force",
-       [&](World::Body body) {
-         world_.ApplyForce(body, {1, 0});
-       }},
-      {"force at a point",
-       [&](World::Body body) {
-         world_.ApplyForce(body, {1, 0}, Vec2{0, 0});
-       }},
-      {"torque", [&](World::Body body) { world_.ApplyTorque(body, 1); }},
-      {"impulse",
-       [&](World::Body body) {
-         world_.ApplyLinearImpulse(body, {1, 0});
-       }},
-      {"turning impulse", [&](World::Body body) { world_.ApplyAngularImpulse(body, 1); }},
-      {"velocity",
-       [&](World::Body body) {
-         world_.SetVelocity(body, {1, 0, 0});
-       }},
-  };
-  for (const auto& [name, push] : pushes) {
+  const auto wakes = [&](const char* name, const std::function<void(World::Body)>& push) {
     const World::Body box = AddBox(world_, {0, 0, 0});
     StepTimes(world_, 200);
     ASSERT_FALSE(world_.IsAwake(box)) << name;
@@ -162,7 +122,13 @@ TEST_F(WorldTest, PushesWakeABody) {
     const Twist velocity = world_.GetVelocity(box);
     EXPECT_GT(velocity.vx + velocity.omega, 0.0) << name;
     world_.RemoveBody(box);
-  }
+  };
+  wakes("force", [&](World::Body body) { world_.ApplyForce(body, Vec2{1, 0}); });
+  wakes("force at a point", [&](World::Body body) { world_.ApplyForce(body, Vec2{1, 0}, Vec2{}); });
+  wakes("torque", [&](World::Body body) { world_.ApplyTorque(body, 1); });
+  wakes("impulse", [&](World::Body body) { world_.ApplyLinearImpulse(body, Vec2{1, 0}); });
+  wakes("turning impulse", [&](World::Body body) { world_.ApplyAngularImpulse(body, 1); });
+  wakes("velocity", [&](World::Body body) { world_.SetVelocity(body, Twist{1, 0, 0}); });
 }
 
 TEST_F(WorldTest, ConvertsPointsAndVectorsBetweenTheBodysFrameAndTheWorlds) {

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "test_bodies.hpp"
 #include "test_numbers.hpp"
 
 namespace flatland {
@@ -24,18 +25,6 @@ BodyTween MakeTween(TweenMode mode, double duration, Easing easing = Easing::kLi
 // A tween of x alone, from 0 to 1.
 BodyTween MakeUnitTween(TweenMode mode, double duration, Easing easing = Easing::kLinear) {
   return BodyTween({{1.0, 0.0, 0.0}, duration, mode, easing}, {});
-}
-
-void ExpectPose(const Pose& pose, const Pose& expected) {
-  EXPECT_DOUBLE_EQ(pose.x, expected.x);
-  EXPECT_DOUBLE_EQ(pose.y, expected.y);
-  EXPECT_DOUBLE_EQ(pose.yaw, expected.yaw);
-}
-
-void ExpectExactly(const Pose& pose, const Pose& expected) {
-  EXPECT_EQ(pose.x, expected.x);
-  EXPECT_EQ(pose.y, expected.y);
-  EXPECT_EQ(pose.yaw, expected.yaw);
 }
 
 // Durations, and steps of which a whole number makes them, and does not.
@@ -76,7 +65,7 @@ TEST(BodyTween, StandsAtItsStartBeforeTheFirstStep) {
        {TweenMode::kYoyo, TweenMode::kOnce, TweenMode::kLoop, TweenMode::kTrigger}) {
     const BodyTween tween = MakeTween(mode, 1.0, Easing::kExponentialIn);
 
-    ExpectExactly(tween.target(), kStart);
+    EXPECT_EQ(tween.target(), kStart);
     EXPECT_EQ(tween.progress(), 0.0);
     EXPECT_FALSE(tween.teleports());
   }
@@ -90,7 +79,7 @@ TEST(TweenOnce, IsAtItsTargetAtItsDurationExactlyAndStays) {
     EXPECT_LT(tween.progress(), 1.0) << duration << " s by " << dt << " s";
 
     for (int step = 0; step < 100; ++step) {
-      ExpectExactly(tween.Advance(dt), kEnd);
+      EXPECT_EQ(tween.Advance(dt), kEnd);
       ASSERT_EQ(tween.progress(), 1.0) << duration << " s by " << dt << " s";
     }
   }
@@ -103,10 +92,8 @@ TEST(TweenOnce, IsWhereTheFormulaSaysOnTheWay) {
     for (int step = 1; step * dt < 10.0; ++step) {
       const double t = step * dt / 10.0;
       const double part = t < 0.5 ? 8.0 * std::pow(t, 4) : 1.0 - std::pow(2.0 - 2.0 * t, 4) / 2.0;
-      const Pose pose = tween.Advance(dt);
-      ASSERT_NEAR(pose.x, 10.0 + 2.0 * part, 1e-12) << step;
-      ASSERT_NEAR(pose.y, -20.0 + 3.0 * part, 1e-12) << step;
-      ASSERT_NEAR(pose.yaw, 0.5 + 1.1 * part, 1e-12) << step;
+      SCOPED_TRACE(step);
+      ExpectPose(tween.Advance(dt), {10 + 2 * part, -20 + 3 * part, 0.5 + 1.1 * part}, 1e-12);
     }
   }
 }
@@ -126,7 +113,7 @@ TEST(TweenYoyo, TurnsAtItsTargetAndAtItsStartExactly) {
 
     for (int turn = 0; turn < 100; ++turn) {
       for (int step = 0; step < steps; ++step) tween.Advance(dt);
-      ExpectExactly(tween.target(), turn % 2 == 0 ? kEnd : kStart);
+      EXPECT_EQ(tween.target(), turn % 2 == 0 ? kEnd : kStart);
       ASSERT_EQ(tween.progress(), turn % 2 == 0 ? 1.0 : 0.0) << turn;
     }
   }
@@ -138,11 +125,7 @@ TEST(TweenYoyo, ComesBackTheWayItWent) {
   std::vector<Pose> there;
   for (int step = 0; step < 200; ++step) there.push_back(tween.Advance(0.005));
   for (int step = 1; step < 200; ++step) {
-    const Pose back = tween.Advance(0.005);
-    const Pose& expected = there[199 - step];
-    ASSERT_NEAR(back.x, expected.x, 1e-12) << step;
-    ASSERT_NEAR(back.y, expected.y, 1e-12) << step;
-    ASSERT_NEAR(back.yaw, expected.yaw, 1e-12) << step;
+    ExpectPose(tween.Advance(0.005), there[199 - step], 1e-12);
   }
 }
 
@@ -205,7 +188,7 @@ TEST(TweenTrigger, GoesToItsTargetAndBackInADurationEach) {
         for (int step = 1; step < steps; ++step) tween.Advance(dt);
         EXPECT_NE(tween.progress(), forward ? 1.0 : 0.0) << duration << " s by " << dt << " s";
         for (int step = 0; step < 10; ++step) {
-          ExpectExactly(tween.Advance(dt), forward ? kEnd : kStart);
+          EXPECT_EQ(tween.Advance(dt), forward ? kEnd : kStart);
           EXPECT_FALSE(tween.teleports());
         }
       }
@@ -291,13 +274,13 @@ TEST(Rebase, GoesOnFromWhereTheBodyWasPut) {
 
   tween.Rebase({-1.0, 5.0, 3.0});
 
-  ExpectPose(tween.target(), {-1.0, 5.0, 3.0});
+  ExpectPose(tween.target(), {-1.0, 5.0, 3.0}, 1e-12);
   EXPECT_DOUBLE_EQ(tween.progress(), 0.25);
   // The other three quarters of the way, and all of it back.
   for (int step = 0; step < 150; ++step) tween.Advance(0.005);
-  ExpectPose(tween.target(), {0.5, 7.25, 3.825});
+  ExpectPose(tween.target(), {0.5, 7.25, 3.825}, 1e-12);
   for (int step = 0; step < 200; ++step) tween.Advance(0.005);
-  ExpectPose(tween.target(), {-1.5, 4.25, 2.725});
+  ExpectPose(tween.target(), {-1.5, 4.25, 2.725}, 1e-12);
 }
 
 TEST(Rebase, LeavesABodyThatHasArrivedWhereItWasPut) {
@@ -306,7 +289,7 @@ TEST(Rebase, LeavesABodyThatHasArrivedWhereItWasPut) {
 
   tween.Rebase({1.0, 2.0, 3.0});
 
-  for (int step = 0; step < 300; ++step) ExpectPose(tween.Advance(0.005), {1.0, 2.0, 3.0});
+  for (int step = 0; step < 300; ++step) ExpectPose(tween.Advance(0.005), {1.0, 2.0, 3.0}, 1e-12);
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
-/// When contact events are reported: their order, for which bodies, and when bodies are removed.
+/// Contact events: when they are reported, in which order, and their points, normals and impulses.
 
 #include "world/contact.hpp"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "test_contact.hpp"
@@ -66,13 +67,13 @@ TEST_F(ContactTest, BeginAndEndEachTime) {
   EXPECT_EQ(recorder_.Story(), "bebebebebe");
 }
 
-TEST_F(ContactTest, OfTwoBodiesThatAreListenedToAreReportedOnce) {
+TEST_F(ContactTest, OfTwoBodiesThatAreListenedToAreReportedOnceWithTheEventsOfBoth) {
   world_.contacts().ListenTo(AddBox({0, 0, 0}), kBeginContact);
-  world_.contacts().ListenTo(AddBox({0.9, 0, 0}), kBeginContact);
+  world_.contacts().ListenTo(AddBox({0.9, 0, 0}), kBeginContact | kPostSolve);
 
-  StepTimes(3);
+  world_.Step(kStep);
 
-  EXPECT_EQ(recorder_.Story(), "b");
+  EXPECT_EQ(recorder_.Story(), "bs");
 }
 
 TEST_F(ContactTest, HaveOnlyTheChosenEvents) {
@@ -92,17 +93,6 @@ TEST_F(ContactTest, HaveOnlyTheChosenEvents) {
     world_.RemoveBody(waiting);
     recorder_.events.clear();
   }
-}
-
-TEST_F(ContactTest, HaveTheEventsThatEitherSideHasChosen) {
-  const World::Body a = AddBox({0, 0, 0});
-  const World::Body b = AddBox({0.9, 0, 0});
-  world_.contacts().ListenTo(a, kBeginContact);
-  world_.contacts().ListenTo(b, kPostSolve);
-
-  world_.Step(kStep);
-
-  EXPECT_EQ(recorder_.Story(), "bs");
 }
 
 TEST_F(ContactTest, AreNotReportedAfterListeningHasStopped) {
@@ -193,7 +183,7 @@ TEST_F(ContactTest, AreNotReportedByAWorldThatIsDestroyed) {
 }
 
 // Box2D does not test sleeping bodies against static ones.
-TEST_F(ContactTest, BeginWhenAStaticSensorIsMovedOntoASleepingBody) {
+TEST_F(ContactTest, BeginWhenAStaticSensorIsMovedOntoASleepingBodyOrThatOntoIt) {
   const World::Body box = AddBox({0, 0, 0});
   const World::Body sensor = AddBox({5, 0, 0}, Sensor(), b2_staticBody);
   world_.contacts().ListenTo(sensor, kAllContactEvents);
@@ -212,19 +202,12 @@ TEST_F(ContactTest, BeginWhenAStaticSensorIsMovedOntoASleepingBody) {
   world_.SetPose(sensor, {5, 0, 0});
   world_.Step(kStep);
   EXPECT_EQ(recorder_.Story(), "be");
-}
 
-TEST_F(ContactTest, BeginWhenASleepingBodyIsMovedOntoASensor) {
-  const World::Body box = AddBox({0, 0, 0});
-  const World::Body sensor = AddBox({5, 0, 0}, Sensor(), b2_staticBody);
-  world_.contacts().ListenTo(sensor, kAllContactEvents);
   StepTimes(400);
   ASSERT_FALSE(world_.IsAwake(box));
-
   world_.SetPose(box, {5, 0.3, 0});
   world_.Step(kStep);
-
-  EXPECT_EQ(recorder_.Story(), "b");
+  EXPECT_EQ(recorder_.Story(), "beb");
 }
 
 TEST_F(ContactTest, PushASleepingBodyOutOfAStaticOneThatIsMovedOntoIt) {
@@ -237,6 +220,62 @@ TEST_F(ContactTest, PushASleepingBodyOutOfAStaticOneThatIsMovedOntoIt) {
   StepTimes(400);
 
   EXPECT_LT(world_.GetPose(box).x, -0.35);
+}
+
+// Along the axes and askew. Two boxes meet side to side, in two points.
+TEST_F(ContactTest, HaveTheNormalFromAToB) {
+  for (const double towards : {0.0, M_PI_2, M_PI, -M_PI_2, 0.7, -2.5}) {
+    for (const char* shapes : {"boxes", "balls", "box and ball", "ball and box"}) {
+      SCOPED_TRACE(testing::Message() << shapes << " towards " << towards);
+      const bool first_is_box = std::string(shapes).substr(0, 3) == "box";
+      const bool second_is_box =
+          std::string(shapes).find("box", 3) != std::string::npos || std::string(shapes) == "boxes";
+      const Vec2 direction{std::cos(towards), std::sin(towards)};
+      const Pose there{0.99 * direction.x, 0.99 * direction.y, towards};
+      const World::Body first = first_is_box ? AddBox({0, 0, towards}) : AddBall({0, 0, towards});
+      const World::Body second = second_is_box ? AddBox(there) : AddBall(there);
+      world_.contacts().ListenTo(first, kBeginContact);
+
+      world_.Step(kStep);
+
+      ASSERT_EQ(recorder_.Story(), "b");
+      const Event& event = recorder_.events[0];
+      const Vec2 a_to_b = AreSame(event.a.body, first) ? direction : -1.0 * direction;
+      EXPECT_NEAR(event.normal.x, a_to_b.x, 1e-5);
+      EXPECT_NEAR(event.normal.y, a_to_b.y, 1e-5);
+      ASSERT_EQ(event.points.size(), first_is_box && second_is_box ? 2u : 1u);
+      if (event.points.size() == 2) {
+        const Vec2 apart = event.points[1] - event.points[0];
+        EXPECT_NEAR(std::hypot(apart.x, apart.y), 1.0, kSkin);
+      }
+      const Vec2 left{-direction.y, direction.x};
+      for (const Vec2 point : event.points) {
+        EXPECT_NEAR(Dot(point, direction), 0.495, kSkin);
+        EXPECT_NEAR(std::abs(Dot(point, left)), event.points.size() == 2 ? 0.5 : 0.0, kSkin);
+      }
+      world_.RemoveBody(first);
+      world_.RemoveBody(second);
+      recorder_.events.clear();
+    }
+  }
+}
+
+// A box is pressed on a wall with 3 N, and pulled along it with 0.4 N, too weakly to slide.
+TEST_F(ContactTest, HaveTheImpulsesOfPressingAndRubbing) {
+  world_.contacts().ListenTo(world_.AddLayer({{{-5, 0}, {5, 0}}}, 0xFFFF), kPostSolve | kPreSolve);
+  FixtureSettings rough = Solid();
+  rough.friction = 1.0;
+  const World::Body box = AddBox({0, 0.51, 0}, rough);
+
+  for (int step = 0; step < 400; ++step) {
+    world_.ApplyForce(box, {0.4, -3.0});
+    world_.Step(kStep);
+  }
+
+  const Event& last = recorder_.events.back();
+  ASSERT_EQ(last.type, kPostSolve);
+  EXPECT_NEAR(Sum(last.impulse.normal_impulses), 3.0 * kStep, 1e-4 * kStep);
+  EXPECT_NEAR(std::abs(Sum(last.impulse.tangent_impulses)), 0.4 * kStep, 1e-4 * kStep);
 }
 
 }  // namespace

@@ -29,14 +29,6 @@ TEST(DynamicsLimits, AreFiniteAndNotNegative) {
   }
 }
 
-TEST(Approach, StaysAtTheTarget) {
-  const DynamicsLimits limits{2.0, 5.0, 1.0};
-
-  EXPECT_EQ(limits.Approach(0.7, 0.7, 0.1), 0.7);
-  EXPECT_EQ(limits.Approach(0.0, 0.0, 0.1), 0.0);
-  EXPECT_EQ(limits.Approach({0.7, 0.0}, {0.7, 0.0}, 0.1).mean.x, 0.7);
-}
-
 TEST(Approach, ReachesTheSmallestTarget) {
   const double tiny = std::numeric_limits<double>::denorm_min();
   for (const DynamicsLimits& limits : {DynamicsLimits{}, DynamicsLimits{2.0, 5.0, 1.0}}) {
@@ -46,9 +38,12 @@ TEST(Approach, ReachesTheSmallestTarget) {
   }
 }
 
-TEST(Approach, NeverGoesFasterThanTheVelocityLimit) {
+TEST(Approach, StaysAtTheTargetAndGoesNoFasterThanTheVelocityLimit) {
   const DynamicsLimits limits{2.0, 5.0, 0.5};
 
+  EXPECT_EQ(limits.Approach(0.4, 0.4, 0.1), 0.4);
+  EXPECT_EQ(limits.Approach(0.0, 0.0, 0.1), 0.0);
+  EXPECT_EQ(limits.Approach({0.4, 0.0}, {0.4, 0.0}, 0.1).mean.x, 0.4);
   EXPECT_DOUBLE_EQ(limits.Approach(0.45, 3.0, 0.1), 0.5);
   EXPECT_DOUBLE_EQ(limits.Approach(-0.45, -3.0, 0.1), -0.5);
   EXPECT_DOUBLE_EQ(limits.Approach(0.5, 3.0, 0.1), 0.5);
@@ -85,6 +80,11 @@ struct Ride {
 
 void PrintTo(const Ride& ride, std::ostream* out) { *out << ride.name; }
 
+Ride Rides(const char* name, const DynamicsLimits& limits, double from, double to,
+           const std::vector<Course::Point>& course) {
+  return {name, limits, from, to, course};
+}
+
 class Trapezoid : public testing::TestWithParam<Ride> {};
 
 // Steps of every length: of hundreds per piece, of several pieces each, and one over all of it.
@@ -110,23 +110,17 @@ TEST_P(Trapezoid, IsReachedAndIntegratedExactly) {
 INSTANTIATE_TEST_SUITE_P(
     Rides, Trapezoid,
     testing::Values(
-        Ride{"from_rest", {0.5, 0.8, 0.0}, 0.0, 1.0, {{{0, 0}, {2, 1}}}},
-        Ride{"up_to_the_velocity_limit", {0.5, 0.8, 1.25}, 0.0, 7.0, {{{0, 0}, {2.5, 1.25}}}},
-        Ride{"to_rest", {0.5, 0.8, 0.0}, 1.0, 0.0, {{{0, 1}, {1.25, 0}}}},
-        Ride{"to_half_the_speed", {0.5, 0.8, 0.0}, -1.0, -0.5, {{{0, -1}, {0.625, -0.5}}}},
-        Ride{"reversal", {0.5, 0.8, 0.0}, 1.0, -0.6, {{{0, 1}, {1.25, 0}, {2.45, -0.6}}}},
-        Ride{"reversal_forwards", {0.5, 0.8, 0.0}, -1.0, 0.6, {{{0, -1}, {1.25, 0}, {2.45, 0.6}}}},
-        Ride{"down_to_the_velocity_limit", {0.5, 0.8, 1.0}, 3.0, 7.0, {{{0, 3}, {2.5, 1}}}},
-        Ride{"reversal_without_acceleration_limit",
-             {0.0, 0.8, 0.0},
-             1.0,
-             -0.6,
-             {{{0, 1}, {1.25, 0}, {1.25, -0.6}}}},
-        Ride{"reversal_without_deceleration_limit",
-             {0.5, 0.0, 0.0},
-             1.0,
-             -0.6,
-             {{{0, 0}, {1.2, -0.6}}}}),
+        Rides("from_rest", {0.5, 0.8, 0.0}, 0.0, 1.0, {{0, 0}, {2, 1}}),
+        Rides("up_to_the_velocity_limit", {0.5, 0.8, 1.25}, 0.0, 7.0, {{0, 0}, {2.5, 1.25}}),
+        Rides("to_rest", {0.5, 0.8, 0.0}, 1.0, 0.0, {{0, 1}, {1.25, 0}}),
+        Rides("to_half_the_speed", {0.5, 0.8, 0.0}, -1.0, -0.5, {{0, -1}, {0.625, -0.5}}),
+        Rides("reversal", {0.5, 0.8, 0.0}, 1.0, -0.6, {{0, 1}, {1.25, 0}, {2.45, -0.6}}),
+        Rides("reversal_forwards", {0.5, 0.8, 0.0}, -1.0, 0.6, {{0, -1}, {1.25, 0}, {2.45, 0.6}}),
+        Rides("down_to_the_velocity_limit", {0.5, 0.8, 1.0}, 3.0, 7.0, {{0, 3}, {2.5, 1}}),
+        Rides("reversal_without_acceleration_limit", {0.0, 0.8, 0.0}, 1.0, -0.6,
+              {{0, 1}, {1.25, 0}, {1.25, -0.6}}),
+        Rides("reversal_without_deceleration_limit", {0.5, 0.0, 0.0}, 1.0, -0.6,
+              {{0, 0}, {1.2, -0.6}})),
     [](const testing::TestParamInfo<Ride>& info) { return info.param.name; });
 
 TEST(PlanarApproach, LimitsTheLengthOfTheVelocity) {

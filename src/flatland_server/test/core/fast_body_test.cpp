@@ -7,9 +7,8 @@
 namespace flatland {
 namespace {
 
-class FastBody : public testing::Test {
+class FastBody : public WorldTest {
  protected:
-  World world_{10, 10};
   World::Body body_ = AddBox(world_, {}, 0.5);
 };
 

@@ -112,11 +112,11 @@ TEST(FixtureChecker, AgreesWithABodyOnFixturesNearTheLimit) {
   for (int i = 0; i < 300; ++i) {
     Twins twins(b2_dynamicBody);
     for (int k = 0; k < 5; ++k) {
-      FixtureSettings settings = Solid();
-      settings.density = std::pow(10.0, 4.0 * exponent(random) - 2.0);
       const double radius = std::pow(10.0, exponent(random) - 3.0);
       const Vec2 center{std::pow(10.0, 2.0 * exponent(random)), 5.0 * exponent(random)};
-      (twins.AddCircle(center, radius, settings).empty() ? accepted : refused) += 1;
+      (twins.AddCircle(center, radius, Dense(std::pow(10.0, 4.0 * exponent(random) - 2.0))).empty()
+           ? accepted
+           : refused) += 1;
     }
   }
   EXPECT_GT(refused, 100);

@@ -58,10 +58,8 @@ TEST_F(ContactTest, ContactsEndAndTheNextStepFindsTheNewOnes) {
 }
 
 TEST_F(WorldTest, WhatDoesNotCollideDoesNotOnOtherLayersEither) {
-  FixtureSettings ghost = Solid();
-  ghost.collides = false;
   const World::Body box = AddBox(world_, {0, 0, 0});
-  const Fixture disc = world_.AddCircle(AddPost(world_, {0, 0, 0}), {0, 0}, 0.5, ghost);
+  const Fixture disc = world_.AddCircle(AddPost(world_, {0, 0, 0}), {0, 0}, 0.5, Ghost());
 
   world_.SetCircle(disc, {0, 0}, 0.5, 0);
   world_.SetCircle(disc, {0, 0}, 1.0, kAllLayers);
@@ -172,9 +170,7 @@ TEST_F(WorldTest, AStateIsRestoredToAWorldOfTheSameShapes) {
   restored.world.RestoreState(state);
 
   const Pose pose = restored.Run(200), expected = saved.Run(200);
-  EXPECT_EQ(pose.x, expected.x);
-  EXPECT_EQ(pose.y, expected.y);
-  EXPECT_EQ(pose.yaw, expected.yaw);
+  EXPECT_EQ(pose, expected);
   EXPECT_EQ(restored.world.SaveState(), saved.world.SaveState());
 }
 

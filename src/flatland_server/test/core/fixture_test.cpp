@@ -14,34 +14,22 @@ namespace flatland {
 namespace {
 
 TEST_F(WorldTest, KnowsTheSettingsOfAFixture) {
-  FixtureSettings settings;
-  settings.density = 2.5;
-  settings.friction = 0.75;
-  settings.restitution = 0.5;
-  settings.sensor = true;
-  settings.collides = false;
-  settings.visible = false;
-  settings.layers = 0b1010;
   const World::Body body = world_.AddBody({});
+  const FixtureSettings special{2.5, 0.75, 0.5, true, false, false, 0b1010};
   const Fixture plain = world_.AddCircle(body, {0, 0}, 1.0, {});
-  const Fixture special = world_.AddPolygon(body, Square(1), settings);
-
-  const FixtureSettings of_plain = world_.GetSettings(plain);
-  const FixtureSettings of_special = world_.GetSettings(special);
+  const Fixture square = world_.AddPolygon(body, Square(1), special);
 
   EXPECT_EQ(world_.GetFixtureCount(body), 2);
-  EXPECT_EQ(of_special.density, 2.5);
-  EXPECT_EQ(of_special.friction, 0.75);
-  EXPECT_EQ(of_special.restitution, 0.5);
-  EXPECT_TRUE(of_special.sensor);
-  EXPECT_FALSE(of_special.collides);
-  EXPECT_FALSE(of_special.visible);
-  EXPECT_EQ(of_special.layers, 0b1010);
-  EXPECT_EQ(of_plain.density, 0.0);
-  EXPECT_FALSE(of_plain.sensor);
-  EXPECT_TRUE(of_plain.collides);
-  EXPECT_TRUE(of_plain.visible);
-  EXPECT_EQ(of_plain.layers, 0xFFFF);
+  for (const auto& [fixture, expected] : {std::pair{plain, FixtureSettings{}}, {square, special}}) {
+    const FixtureSettings found = world_.GetSettings(fixture);
+    EXPECT_EQ(found.density, expected.density);
+    EXPECT_EQ(found.friction, expected.friction);
+    EXPECT_EQ(found.restitution, expected.restitution);
+    EXPECT_EQ(found.sensor, expected.sensor);
+    EXPECT_EQ(found.collides, expected.collides);
+    EXPECT_EQ(found.visible, expected.visible);
+    EXPECT_EQ(found.layers, expected.layers);
+  }
 }
 
 TEST_F(WorldTest, ChangesFrictionAndRestitutionOfAFixture) {
@@ -95,14 +83,6 @@ TEST_F(WorldTest, WhatIsNotVisibleCollidesButIsNotSeen) {
   EXPECT_GT(world_.GetPose(thrown).y, world_.GetPose(box).y + 0.9);
 }
 
-TEST_F(WorldTest, TakesTheConvexHullOfAPolygon) {
-  const World::Body body = world_.AddBody({});
-
-  world_.AddPolygon(body, {{0, 0}, {2, 0}, {1, 0.2}, {2, 2}, {0, 2}}, Solid());
-
-  EXPECT_NEAR(world_.GetMass(body), 4.0, 1e-5);
-}
-
 // Box2D sums up in single precision, fixture by fixture, which 10,000 fixtures make inexact.
 TEST_F(WorldTest, TheMassOfManyFixturesIsTheirSum) {
   const World::Body body = world_.AddBody({});
@@ -116,10 +96,8 @@ TEST_F(WorldTest, TheMassOfManyFixturesIsTheirSum) {
 
 TEST_F(WorldTest, TheCentreOfMassIsThatOfTheFixturesTogether) {
   const World::Body body = world_.AddBody({});
-  FixtureSettings heavy = Solid();
-  heavy.density = 3.0;
-  world_.AddPolygon(body, {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, Solid());
-  world_.AddPolygon(body, {{4, 0}, {5, 0}, {5, 1}, {4, 1}}, heavy);
+  world_.AddPolygon(body, {{0, 0}, {1, 0}, {0.5, 0.2}, {1, 1}, {0, 1}}, Solid());  // their hull
+  world_.AddPolygon(body, {{4, 0}, {5, 0}, {5, 1}, {4, 1}}, Dense(3.0));
 
   EXPECT_NEAR(world_.GetMass(body), 4.0, 1e-6);
   EXPECT_NEAR(world_.GetCenter(body).x, (0.5 + 3 * 4.5) / 4, 1e-6);
@@ -167,22 +145,14 @@ TEST_F(WorldTest, ABodyKnowsWhatItOverlaps) {
 }
 
 TEST_F(WorldTest, WhatDoesNotPushOutDoesNotOverlap) {
-  FixtureSettings ghost = Solid();
-  ghost.collides = false;
   AddBox(world_, {0, 0, 0}, 1.0, Sensor());
-  AddBox(world_, {0, 0, 0}, 1.0, ghost);
+  AddBox(world_, {0, 0, 0}, 1.0, Ghost());
   AddBox(world_, {0, 0, 0}, 1.0, OnLayers(0b10));
-
   EXPECT_TRUE(world_.GetOverlappingBodies(AddBox(world_, {0, 0, 0}, 1.0, OnLayers(0b01))).empty());
-}
 
-TEST_F(WorldTest, StaticBodiesDoNotPushEachOtherOut) {
-  const World::Body shelf = AddPost(world_, {0, 0, 0});
-  world_.AddCircle(shelf, {0, 0}, 1.0, Solid());
-  const World::Body wall = AddPost(world_, {0, 0, 0});
-  world_.AddCircle(wall, {0, 0}, 1.0, Solid());
-
-  EXPECT_TRUE(world_.GetOverlappingBodies(shelf).empty());
+  const World::Body shelf = AddPost(world_, {9, 0, 0}), wall = AddPost(world_, {9, 0, 0});
+  for (const World::Body each : {shelf, wall}) world_.AddCircle(each, {0, 0}, 1.0, Solid());
+  EXPECT_TRUE(world_.GetOverlappingBodies(shelf).empty()) << "both are static";
 }
 
 // Box2D puts a skin of a centimetre around edges and polygons.

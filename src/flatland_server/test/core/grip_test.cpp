@@ -22,19 +22,16 @@ ActuatorSettings Limited(double max_force, double max_torque, double friction) {
   return settings;
 }
 
-class GrippingRobot : public testing::Test {
+class GrippingRobot : public WorldTest {
  protected:
   /// A square of 0.5 m and 20 kg, if the force has limits.
   World::Body AddRobot(const ActuatorSettings& settings, const Pose& pose = {}) {
-    FixtureSettings fixture = Solid();
-    fixture.density = 80.0;
-    const World::Body body = AddBox(world_, pose, 0.5, fixture);
+    const World::Body body = AddBox(world_, pose, 0.5, Dense(80.0));
     drive_ = world_.AddDrive(body, {}, {}, settings);
     return body;
   }
   double SpeedOf(World::Body body) const { return world_.GetLocalVelocity(body).vx; }
 
-  World world_{10, 10};
   World::Drive drive_;
 };
 
@@ -47,22 +44,19 @@ TEST_F(GrippingRobot, SpeedsUpByItsForce) {
   EXPECT_NEAR(SpeedOf(robot), 2.0, 1e-5);
 }
 
+// A torque of its own, and that of its friction at the radius of gyration.
 TEST_F(GrippingRobot, TurnsUpByItsTorque) {
-  const World::Body robot = AddRobot(Limited(0.0, 0.5, 0.0));
-  const double inertia = world_.GetInertia(robot);
-  EXPECT_NEAR(inertia, 20.0 * 0.25 / 6.0, 1e-4);
-  world_.Get(drive_).Command({0.0, 0.0, 1.0});
-  StepTimes(world_, 100);
-  EXPECT_NEAR(world_.GetVelocity(robot).omega, 0.5 / inertia * 0.5, 1e-4);
-}
-
-TEST_F(GrippingRobot, HasTheTorqueOfItsForceAtTheRadiusOfGyration) {
-  const World::Body robot = AddRobot(Limited(0.0, 0.0, 0.1));
-  const double inertia = world_.GetInertia(robot);
-  const double torque = 0.1 * 20.0 * kGravity * std::sqrt(inertia / 20.0);
-  world_.Get(drive_).Command({0.0, 0.0, 9.0});
-  StepTimes(world_, 50);
-  EXPECT_NEAR(world_.GetVelocity(robot).omega, torque / inertia * 0.25, 1e-3);
+  const double inertia = 20.0 * 0.25 / 6.0;
+  const double of_friction = 0.1 * 20.0 * kGravity * std::sqrt(inertia / 20.0);
+  for (const auto& [settings, torque] :
+       {std::pair{Limited(0.0, 0.5, 0.0), 0.5}, {Limited(0.0, 0.0, 0.1), of_friction}}) {
+    const World::Body robot = AddRobot(settings);
+    EXPECT_NEAR(world_.GetInertia(robot), inertia, 1e-4);
+    world_.Get(drive_).Command({0.0, 0.0, 9.0});
+    StepTimes(world_, 50);
+    EXPECT_NEAR(world_.GetVelocity(robot).omega, torque / inertia * 0.25, 1e-3);
+    world_.RemoveBody(robot);
+  }
 }
 
 // With a force that is enough, it moves as without limits: within rounding, and far from the
@@ -124,8 +118,7 @@ TEST_F(GrippingRobot, PushesABoxOnlyIfFrictionLetsIt) {
 // Both together speed up by mu m g / (m + M).
 TEST_F(GrippingRobot, PushesAFreeBoxByNewton) {
   const double mu = 0.3;
-  FixtureSettings fixture = Solid();
-  fixture.density = 160.0;
+  FixtureSettings fixture = Dense(160.0);
   const World::Body box = AddBox(world_, {0.5, 0.0, 0.0}, 0.5, fixture);
   AddRobot(Limited(0.0, 0.0, mu));
   world_.Get(drive_).Command({20.0, 0.0, 0.0});
@@ -241,8 +234,7 @@ TEST_F(GrippingRobot, IsPulledByTheSameImpulseWithAndWithoutContacts) {
     for (int i = 0; i < 2; ++i) {
       damped.pose = {100.0 * i, 0.0, 0.3};
       robots[i] = world.AddBody(damped);
-      FixtureSettings fixture = Solid();
-      fixture.density = 80.0;
+      FixtureSettings fixture = Dense(80.0);
       world.AddCircle(robots[i], {0.05, 0.02}, 0.3, fixture);
       drives[i] = world.AddDrive(robots[i], {}, {}, settings);
     }
@@ -283,10 +275,8 @@ class PushingWorld {
                                          Limited(y > 0.0 ? 1.0 : 0.0, 0.0, 0.5)));
     }
     AddBox(*world_, {0.0, 0.0, 0.2}, 0.6);
-    LidarSettings lidar;
-    lidar.fan = std::make_shared<BeamFan>(0.0, 0.1, 1);
-    lidar.scan.range = 5.0;
-    for (const World::Body body : bodies_) lidars_.push_back(world_->lidars().Add(body, lidar));
+    for (const World::Body body : bodies_)
+      lidars_.push_back(world_->lidars().Add(body, LidarOf(0.0, 0.1, 1)));
   }
   static Twist CommandOf(int step, int robot) {
     return {1.0 - (step / 400) % 2, 0.0, 0.4 * robot - 0.2 * (step % 3)};

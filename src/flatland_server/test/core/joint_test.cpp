@@ -1,4 +1,4 @@
-/// Joints: the angle of a spring, and the sign of angles; limits and anchors are in test_joints.py.
+/// Joints: their angles, limits and springs, and rotations for a very long time.
 
 #include <gtest/gtest.h>
 
@@ -45,9 +45,7 @@ TEST_F(WorldTest, LimitsOfASpunHingeDoNotTurnItBack) {
   const World::Body base = AddBox(world_, {0, 0, 0}, 0.1), wheel = AddBox(world_, {0, 0, 0}, 0.2);
   const World::Body flag = AddBox(world_, {0.3, 0, 0}, 0.1);
   const World::Joint hinge = world_.AddRevolute(base, wheel, {});
-  WeldSettings weld;
-  weld.anchor_a = {0.3, 0.0};
-  const World::Joint on_wheel = world_.AddWeld(wheel, flag, weld);
+  const World::Joint on_wheel = world_.AddWeld(wheel, flag, WeldAt({0.3, 0.0}));
   const auto excess = [&] {
     return world_.GetPose(wheel).yaw - world_.GetPose(base).yaw - world_.GetJointAngle(hinge);
   };
@@ -69,6 +67,57 @@ TEST_F(WorldTest, LimitsOfASpunHingeDoNotTurnItBack) {
       }
       world_.SetLimits(hinge, std::nullopt);
     }
+  }
+}
+
+// In single precision the rounding error of 3000 rad is a hundredth of the rotation of a step.
+constexpr int kLongSpin = 200000;
+constexpr double kSpin = 3.0;
+
+TEST_F(WorldTest, SpinsOnFreelyAndUponAHingeForAVeryLongTime) {
+  const World::Body body = AddBox(world_, {1, 2, 0}), wheel = AddBox(world_, {0, 0, 0}, 0.2);
+  world_.AddRevolute(AddPost(world_, {0, 0, 0}), wheel, {});
+  for (const World::Body each : {body, wheel}) world_.SetVelocity(each, {0, 0, kSpin});
+
+  for (int step = 0; step < kLongSpin; ++step) {
+    const double before = world_.GetPose(body).yaw, of_wheel = world_.GetPose(wheel).yaw;
+    world_.Step(kStep);
+    const double turn = AngleBetween(before, world_.GetPose(body).yaw);
+    ASSERT_NEAR(turn, kSpin * kStep, 2e-6) << "step " << step;
+    ASSERT_NEAR(AngleBetween(of_wheel, world_.GetPose(wheel).yaw), kSpin * kStep, 2e-6) << step;
+  }
+}
+
+TEST_F(WorldTest, SpinsOnWithAWeldedCompanionForAVeryLongTime) {
+  const World::Body body = AddBox(world_, {0, 0, 0}, 0.4);
+  const World::Body companion = AddBox(world_, {0.5, 0, 0.3}, 0.1);
+  WeldSettings settings;
+  settings.anchor_a = {0.5, 0};
+  settings.angle = 0.3;
+  const World::Joint weld = world_.AddWeld(body, companion, settings);
+  world_.Get(world_.AddDrive(body, {}, {})).Command({0, 0, kSpin});
+  StepTimes(world_, 1000);
+
+  for (int step = 0; step < kLongSpin; ++step) {
+    const double before = world_.GetPose(body).yaw;
+    world_.Step(kStep);
+    const Pose pose = world_.GetPose(body), other = world_.GetPose(companion);
+    ASSERT_NEAR(AngleBetween(before, pose.yaw), kSpin * kStep, 2e-5) << "step " << step;
+    ASSERT_LT(std::abs(world_.GetJointAngle(weld)), 0.01) << "step " << step;
+    ASSERT_NEAR(std::hypot(other.x - pose.x, other.y - pose.y), 0.5, 0.005) << "step " << step;
+  }
+}
+
+TEST_F(WorldTest, SpinsOnWithAHingedArmWithinItsLimits) {
+  const World::Body base = AddBox(world_, {0, 0, 0}, 0.4);
+  const World::Body arm = AddBox(world_, {0, 0, 0.1}, 0.1);
+  const World::Joint hinge = world_.AddRevolute(base, arm, HingeWithin(-0.2, 0.2));
+  world_.SetVelocity(base, {0, 0, kSpin});
+  world_.SetVelocity(arm, {0, 0, kSpin});
+
+  for (int step = 0; step < 20000; ++step) {
+    world_.Step(kStep);
+    ASSERT_NEAR(world_.GetJointAngle(hinge), 0.1, 0.001) << "step " << step;
   }
 }
 

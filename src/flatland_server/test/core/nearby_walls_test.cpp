@@ -150,11 +150,6 @@ TEST(NearbyWalls, ARestoredWorldGoesOnLikeTheSavedOne) {
   ExpectSame(restored.Run(300), saved.Run(300));
 }
 
-TEST(NearbyWalls, EqualWorldsMakeEqualSteps) {
-  Scene one, other;
-  ExpectSame(one.Run(500), other.Run(500));
-}
-
 TEST(NearbyWalls, ItsWallsHaveSettings) {
   Scene scene;
   EXPECT_EQ(scene.world.GetFixtureCount(scene.layer), 57'600);

@@ -44,23 +44,18 @@ TEST(ObstaclesTest, AWallIsSeenOnceHoweverManyPiecesItHas) {
   }
 }
 
-TEST(ObstaclesTest, BothWallsOfACorridorAreSeen) {
-  const std::vector<Obstacle> seen = Around(kCorridor, {3, 0});
+TEST(ObstaclesTest, BothWallsOfACorridorOrACornerAndBothEndsOfADoorwayAreSeen) {
+  std::vector<Obstacle> seen = Around(kCorridor, {3, 0});
   ASSERT_EQ(seen.size(), 2u);
   ExpectSeen(seen[0], 0.5, M_PI / 2);
   ExpectSeen(seen[1], 1.0, -M_PI / 2);
-}
 
-TEST(ObstaclesTest, BothWallsOfACornerAreSeen) {
-  const std::vector<Obstacle> seen = Around({{{0, 0}, {9, 0}}, {{0, 0}, {0, 9}}}, {0.4, 0.6});
+  seen = Around({{{0, 0}, {9, 0}}, {{0, 0}, {0, 9}}}, {0.4, 0.6});
   ASSERT_EQ(seen.size(), 2u);
   ExpectSeen(seen[0], 0.4, 0.0);
   ExpectSeen(seen[1], 0.6, M_PI / 2);
-}
 
-TEST(ObstaclesTest, BothEndsOfADoorwayAreSeen) {
-  const std::vector<Segment> door{{{0, -9}, {0, -0.5}}, {{0, 0.5}, {0, 9}}};
-  const std::vector<Obstacle> seen = Around(door, {-0.3, 0.1});
+  seen = Around({{{0, -9}, {0, -0.5}}, {{0, 0.5}, {0, 9}}}, {-0.3, 0.1});
   ASSERT_EQ(seen.size(), 2u);
   ExpectSeen(seen[0], 0.5, std::atan2(-0.4, -0.3));
   ExpectSeen(seen[1], std::hypot(0.3, 0.6), std::atan2(0.6, -0.3));

@@ -101,10 +101,17 @@ Refusal Polygon(const char* name, const std::vector<Vec2>& vertices) {
   return {name,
           [=](World& w, World::Body box, World::Body) { w.AddPolygon(box, vertices, Solid()); }};
 }
+/// The corners of a regular polygon.
+std::vector<Vec2> Ring(int count) {
+  std::vector<Vec2> corners;
+  for (int i = 0; i < count; ++i) {
+    corners.push_back({std::cos(2 * M_PI * i / count), std::sin(2 * M_PI * i / count)});
+  }
+  return corners;
+}
 Refusal Material(const char* name, double density, double friction, double restitution) {
   return {name, [=](World& w, World::Body box, World::Body) {
-            FixtureSettings settings;
-            settings.density = density;
+            FixtureSettings settings = Dense(density);
             settings.friction = friction;
             settings.restitution = restitution;
             w.AddPolygon(box, Square(1), settings);
@@ -117,9 +124,7 @@ Refusal Wall(const char* name, const Segment& wall) {
 }
 Refusal Limits(const char* name, double lower, double upper) {
   return {name, [=](World& w, World::Body box, World::Body other) {
-            RevoluteSettings settings;
-            settings.limits = {{lower, upper}};
-            w.AddRevolute(box, other, settings);
+            w.AddRevolute(box, other, HingeWithin(lower, upper));
           }};
 }
 Refusal Anchors(const char* name, Vec2 a, Vec2 b) {
@@ -187,15 +192,7 @@ INSTANTIATE_TEST_SUITE_P(
         Circle("circle_of_inf_radius", {0, 0}, kInfinity), Circle("circle_at_nan", {kNaN, 0}, 1),
         Circle("circle_at_inf", {0, kInfinity}, 1), Polygon("polygon_of_no_vertices", {}),
         Polygon("polygon_of_two_vertices", {{0, 0}, {1, 0}}),
-        Polygon("polygon_of_nine_vertices", {{1, 0},
-                                             {.8, .6},
-                                             {0, 1},
-                                             {-.6, .8},
-                                             {-1, 0},
-                                             {-.8, -.6},
-                                             {0, -1},
-                                             {.6, -.8},
-                                             {.9, -.3}}),
+        Polygon("polygon_of_nine_vertices", Ring(9)),
         Polygon("polygon_with_a_nan", {{0, 0}, {1, 0}, {1, kNaN}}),
         Polygon("polygon_with_an_inf", {{0, 0}, {1, 0}, {kInfinity, 1}}),
         Polygon("polygon_on_a_line", {{0, 0}, {1, 1}, {2, 2}, {3, 3}}),

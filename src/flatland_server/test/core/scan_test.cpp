@@ -1,4 +1,4 @@
-/// Distances that a lidar measures: to walls and bodies, from outside and inside, and hidden ones.
+/// Distances and intensities that a lidar measures: of walls and bodies, on its layers.
 
 #include <gtest/gtest.h>
 
@@ -60,16 +60,12 @@ TEST_F(LidarTest, SeesOnlyThePartOfABodyThatIsInRange) {
   settings_.range = 5.0;
 
   EXPECT_EQ(LookAhead({}), 3.0f);
+  settings_.range = 3.0;
+  EXPECT_EQ(LookAhead({}), 3.0f) << "at its very range";
+  settings_.range = 5.0;
   EXPECT_NEAR(LookAhead({0, 0, 0.9}), 3.0 / std::cos(0.9), 1e-4);
   EXPECT_EQ(LookAhead({0, 0, 0.95}), kInfinity);
   EXPECT_EQ(LookAhead({0, 0, -1.2}), kInfinity);
-}
-
-TEST_F(LidarTest, SeesACircleAtItsVeryRange) {
-  world_.AddCircle(AddBody({4, 0, 0}), {0, 0}, 1.0, {});
-  settings_.range = 3.0;
-
-  EXPECT_EQ(LookAhead({}), 3.0f);
 }
 
 // Each corner of a shape in turn, far out, while all else is out of range.
@@ -86,26 +82,19 @@ TEST_F(LidarTest, SeesTheTipOfABody) {
   }
 }
 
-TEST_F(LidarTest, LooksOutOfACircleAroundIt) {
-  const World::Body body = AddBody({0.1, 0.0, 0.0});
-  world_.AddCircle(body, {0, 0}, 0.5, {});
+TEST_F(LidarTest, LooksOutOfABodyAroundIt) {
   AddWallAt(3.0);
   world_.AddCircle(AddBody({0.0, 4.0, 0.0}), {0, 0}, 1.0, {});
-
-  EXPECT_EQ(LookAhead({}), 3.0f);
-  EXPECT_NEAR(LookAhead({0, 0, M_PI / 2}), 3.0, 1e-5);
-  EXPECT_EQ(LookAhead({0, 0, M_PI}), kInfinity);
-}
-
-TEST_F(LidarTest, LooksOutOfAPolygonAroundIt) {
-  const World::Body body = AddBody({0.1, 0.0, 0.3});
-  world_.AddPolygon(body, square_, {});
-  AddWallAt(3.0);
-  world_.AddPolygon(AddBody({0.0, 4.0, 0.0}), square_, {});
-
-  EXPECT_EQ(LookAhead({}), 3.0f);
-  EXPECT_NEAR(LookAhead({0, 0, M_PI / 2}), 3.5, 1e-5);
-  EXPECT_EQ(LookAhead({0, 0, M_PI}), kInfinity);
+  const World::Body square = AddBody({0.1, 0.0, 0.3}), disc = AddBody({0.1, 0.0, 0.0});
+  world_.AddPolygon(square, square_, {});
+  for (const bool is_square : {true, false}) {
+    EXPECT_EQ(LookAhead({}), 3.0f);
+    EXPECT_NEAR(LookAhead({0, 0, M_PI / 2}), 3.0, 1e-5);
+    EXPECT_EQ(LookAhead({0, 0, M_PI}), kInfinity);
+    if (!is_square) continue;
+    world_.RemoveBody(square);
+    world_.AddCircle(disc, {0, 0}, 0.5, {});
+  }
 }
 
 TEST_F(LidarTest, LooksOutOfABodyWithinAMillimetreOfItsOutline) {
@@ -175,9 +164,7 @@ TEST_F(LidarTest, SeesTheSideOfACircleThatAWallLeavesFree) {
   for (double side : {-1.0, 1.0}) {
     World world(10, 10);
     world.AddLayer({{{2, -0.1 * side}, {2, 5 * side}}}, 0xFFFF);
-    BodySettings settings;
-    settings.pose = {4, 0, 0};
-    world.AddCircle(world.AddBody(settings), {0, 0}, 1.0, {});
+    AddDisc(world, {4, 0, 0}, 1.0);
     float range, intensity;
     world.lidars().Scan(BeamFan(-0.2 * side, 0.0, 1), {}, settings_, &range, &intensity);
 
@@ -276,6 +263,103 @@ TEST_F(LidarTest, RefusesOtherThreadsMeanwhile) {
     EXPECT_TRUE(refused) << name;
     EXPECT_NO_THROW(touch()) << name;
   }
+}
+
+TEST_F(LidarTest, SeesNoSensorsButWhatDoesNotCollide) {
+  world_.AddPolygon(AddBody({2.5, 0, 0}), square_, Sensor());
+  EXPECT_EQ(LookAhead({}), kInfinity);
+
+  world_.AddPolygon(AddBody({4.5, 0, 0}), square_, Ghost());
+  EXPECT_EQ(LookAhead({}), 4.0f);
+}
+
+TEST_F(LidarTest, SeesOnlyItsLayers) {
+  world_.AddPolygon(AddBody({2.5, 0, 0}), square_, OnLayers(0b01));
+  AddWallAt(5.0, 0b10);
+  AddWallAt(7.0, 0b01);
+
+  settings_.layers = 0b11;
+  EXPECT_EQ(LookAhead({}), 2.0f);
+  settings_.layers = 0b10;
+  EXPECT_EQ(LookAhead({}), 5.0f);
+  settings_.layers = 0b01;
+  EXPECT_EQ(LookAhead({0, 4, 0}), 7.0f);
+  settings_.layers = 0b100;
+  EXPECT_EQ(LookAhead({}), kInfinity);
+  settings_.layers = 0;
+  EXPECT_EQ(LookAhead({}), kInfinity);
+}
+
+TEST_F(LidarTest, MeasuresTheIntensityOfTheNearestThing) {
+  settings_.reflectance_layers = 0b10;
+  const FixtureSettings dull = OnLayers(0b01), bright = OnLayers(0b10);
+  AddWallAt(5.0, 0b10);
+  AddWallAt(-5.0, 0b01);
+  world_.AddPolygon(AddBody({0, 4, 0}), square_, bright);
+  world_.AddPolygon(AddBody({3, 0, 0}), square_, dull);
+  const auto intensity = [&](const Pose& lidar) {
+    return Look(BeamFan(0.0, 0.0, 1), lidar).intensities[0];
+  };
+
+  EXPECT_EQ(intensity({0, -4, 0}), 255.0f) << "bright wall";
+  EXPECT_EQ(intensity({0, 0, M_PI}), 0.0f) << "dull wall";
+  EXPECT_EQ(intensity({0, 0, M_PI / 2}), 255.0f) << "bright body";
+  EXPECT_EQ(intensity({0, 0, 0}), 0.0f) << "dull body before a bright wall";
+  EXPECT_EQ(intensity({0, 0, -M_PI / 2}), 0.0f) << "nothing";
+}
+
+TEST_F(LidarTest, SeesWhatReflectsOnAWallOfTheSamePlace) {
+  settings_.reflectance_layers = 0b10;
+  AddWallAt(5.0, 0b01);
+  world_.AddLayer({{{5, -1}, {5, 1}}}, 0b10);
+  const Pose at_an_angle{0.123, 0.321, 0.02};
+
+  const View view = Look(forward_, at_an_angle);
+
+  for (int beam = 0; beam < forward_.size(); ++beam) {
+    const double angle = at_an_angle.yaw - 0.75 * M_PI + beam * 1.5 * M_PI / 1080;
+    if (std::abs(angle) > 1.4) continue;
+    const double y = at_an_angle.y + std::tan(angle) * (5.0 - at_an_angle.x);
+    if (std::abs(std::abs(y) - 1.0) < 1e-4) continue;
+    ASSERT_EQ(view.intensities[beam], std::abs(y) < 1.0 ? 255.0f : 0.0f) << "beam " << beam;
+  }
+}
+
+TEST_F(LidarTest, SeesNoIntensityBeyondItsRange) {
+  settings_.reflectance_layers = 0b10;
+  settings_.range = 5.0;
+  AddWallAt(5.0 * (1.0 + 5e-10), 0b10);
+
+  const View view = Look(BeamFan(0.0, 0.0, 1), {});
+
+  EXPECT_EQ(view.ranges[0], kInfinity);
+  EXPECT_EQ(view.intensities[0], 0.0f);
+  AddWallAt(5.0, 0b01);
+  EXPECT_EQ(LookAhead({}), 5.0f) << "at its very range, and dull";
+}
+
+TEST_F(LidarTest, MeasuresTheIntensityOfWhatIsAMillimetreNearer) {
+  settings_.reflectance_layers = 0b10;
+  AddWallAt(5.0, 0b01);
+  AddWallAt(5.001, 0b10);
+  AddWallAt(-5.001, 0b01);
+  AddWallAt(-5.0, 0b10);
+
+  EXPECT_EQ(Look(BeamFan(0.0, 0.0, 1), {}).intensities[0], 0.0f);
+  EXPECT_EQ(Look(BeamFan(M_PI, 0.0, 1), {}).intensities[0], 255.0f);
+}
+
+TEST_F(LidarTest, IsIndependentOfTheScanBefore) {
+  AddWallAt(2.0, 0b01);
+  AddWallAt(-4.0, 0b10);
+  settings_.reflectance_layers = 0b10;
+  LookAhead({});
+  settings_.reflectance_layers = 0;
+
+  const View view = Look(BeamFan(0.0, 0.0, 1), {0, 0, M_PI});
+
+  EXPECT_EQ(view.ranges[0], 4.0f);
+  EXPECT_EQ(view.intensities[0], 0.0f);
 }
 
 }  // namespace

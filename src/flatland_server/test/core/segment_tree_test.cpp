@@ -56,19 +56,10 @@ void ExpectAsTryingEveryWall(const std::vector<Segment>& walls, Vec2 low, Vec2 h
   }
 }
 
-TEST(SegmentTree, SeesRandomWalls) {
+TEST(SegmentTree, SeesWalls) {
   ExpectAsTryingEveryWall(RandomWalls(400, 2.0), {-1, -1}, {21, 11}, 3000);
-}
-
-TEST(SegmentTree, SeesLongRandomWalls) {
-  ExpectAsTryingEveryWall(RandomWalls(100, 15.0), {-10, -10}, {30, 20}, 3000);
-}
-
-TEST(SegmentTree, SeesAFewSparseWalls) {
-  ExpectAsTryingEveryWall(RandomWalls(5, 0.5), {-1, -1}, {21, 11}, 3000);
-}
-
-TEST(SegmentTree, SeesThePixelsOfAMap) {
+  ExpectAsTryingEveryWall(RandomWalls(100, 15.0), {-10, -10}, {30, 20}, 3000);  // long ones
+  ExpectAsTryingEveryWall(RandomWalls(5, 0.5), {-1, -1}, {21, 11}, 3000);       // few
   ExpectAsTryingEveryWall(PixelWalls(40, 25), {-2, -2}, {44, 29}, 3000);
 }
 
@@ -204,25 +195,25 @@ TEST(SegmentTree, StopsABeamAtTheVeryEndOfAWallStraightBehind) {
   const BeamFan fan({{-1, -hair}, {0, -1}, {1, 0}, {1, 0}, {1, 0}, {1, 0}, {0, 1}, {-1, 0}});
   float ranges[8];
   DepthBuffer buffer;
-
-  buffer.Begin(fan, kFar);
-  buffer.Draw(SegmentTree(std::vector<Segment>{{{-5, hair}, {-5, 3}}}), {});
-  buffer.GetRanges(ranges);
-  EXPECT_EQ(ranges[0], 5.0f) << "the wall is on the left, the beam on the right";
-
-  buffer.Begin(fan, kFar);
-  buffer.Draw(SegmentTree(std::vector<Segment>{{{-5, -hair}, {-5, -3}}}), {});
-  buffer.GetRanges(ranges);
-  EXPECT_EQ(ranges[7], 5.0f) << "the wall is on the right, the beam on the left";
+  for (const double side : {1.0, -1.0}) {  // of the wall; the beam is on the other one
+    buffer.Begin(fan, kFar);
+    buffer.Draw(SegmentTree(std::vector<Segment>{{{-5, side * hair}, {-5, side * 3}}}), {});
+    buffer.GetRanges(ranges);
+    EXPECT_EQ(ranges[side > 0.0 ? 0 : 7], 5.0f) << side;
+  }
 }
 
-TEST(SegmentTree, SeesNothingBeyondTheLimit) {
-  const SegmentTree tree(std::vector<Segment>{{{5, -1}, {5, 1}}});
+TEST(SegmentTree, SeesNothingBeyondTheLimitBehindAndWithoutWalls) {
+  const SegmentTree tree(std::vector<Segment>{{{5, -1}, {5, 1}}}), empty(std::vector<Segment>{});
 
   EXPECT_EQ(Cast(tree, {0, 0}, {1, 0}, 6.0), 5.0);
   EXPECT_EQ(Cast(tree, {0, 0}, {1, 0}, 5.0), 5.0);
   EXPECT_EQ(Cast(tree, {0, 0}, {1, 0}, 4.999), kInfinity);
   EXPECT_EQ(Cast(tree, {0, 0}, {1, 0}, 0.0), kInfinity);
+  EXPECT_EQ(Cast(tree, {6, 0}, {1, 0}, kFar), kInfinity);
+  EXPECT_EQ(Cast(tree, {0, 0}, {-1, 0}, kFar), kInfinity);
+  EXPECT_EQ(empty.segment_count(), 0u);
+  EXPECT_EQ(Cast(empty, {-3, 2}, Towards(-0.5), kFar), kInfinity);
 }
 
 TEST(SegmentTree, SeesNothingBeyondTheLimitWithinOneCell) {
@@ -238,13 +229,6 @@ TEST(SegmentTree, SeesNothingBeyondTheLimitWithinOneCell) {
     ASSERT_EQ(Cast(tree, origin, direction, 1.001 * distance), distance);
     ASSERT_EQ(Cast(tree, origin, direction, 0.999 * distance), kInfinity);
   }
-}
-
-TEST(SegmentTree, SeesNothingBehind) {
-  const SegmentTree tree(std::vector<Segment>{{{5, -1}, {5, 1}}});
-
-  EXPECT_EQ(Cast(tree, {6, 0}, {1, 0}, kFar), kInfinity);
-  EXPECT_EQ(Cast(tree, {0, 0}, {-1, 0}, kFar), kInfinity);
 }
 
 TEST(SegmentTree, IsNoDeeperWithWallsInOnePlaceOrEverNearer) {
@@ -282,14 +266,6 @@ TEST(SegmentTree, HasEachWallInTheLeavesThatItsBoxMeets) {
     for (uint32_t wall = 0; wall < walls.size(); ++wall) least = std::min(least, distance(wall));
     EXPECT_EQ(tree.Least(room, kFar, distance), least);
   }
-}
-
-TEST(SegmentTree, IsEmptyWithoutWalls) {
-  const SegmentTree tree(std::vector<Segment>{});
-
-  EXPECT_EQ(tree.segment_count(), 0u);
-  EXPECT_EQ(Cast(tree, {0, 0}, {1, 0}, kFar), kInfinity);
-  EXPECT_EQ(Cast(tree, {-3, 2}, Towards(-0.5), kFar), kInfinity);
 }
 
 }  // namespace

@@ -21,6 +21,13 @@ struct Maneuver {
 
 void PrintTo(const Maneuver& maneuver, std::ostream* out) { *out << maneuver.name; }
 
+Maneuver Steers(const char* name, const DynamicsLimits& limits, const SteeringState& from,
+                double to, const std::vector<Course::Point>& rate) {
+  return {name, limits, from, to, rate};
+}
+
+constexpr DynamicsLimits kAllLimits{2.0, 4.0, 0.5};
+
 class Steering : public testing::TestWithParam<Maneuver> {};
 
 // At steps of 1, 5 and 7 ms, at steps that straddle several pieces, and all at once.
@@ -62,48 +69,24 @@ INSTANTIATE_TEST_SUITE_P(
     FromRest, Steering,
     testing::Values(
         // 0.0625 rad up, 0.90625 along, 0.03125 down.
-        Maneuver{"trapezoid",
-                 {2.0, 4.0, 0.5},
-                 {0.0, 0.0},
-                 1.0,
-                 {{{0, 0}, {0.25, 0.5}, {2.0625, 0.5}, {2.1875, 0}}}},
-        Maneuver{"triangle",
-                 {2.0, 4.0, 0.5},
-                 {0.0, 0.0},
-                 0.03,
-                 {{{0, 0}, {std::sqrt(0.02), 2 * std::sqrt(0.02)}, {1.5 * std::sqrt(0.02), 0}}}},
-        Maneuver{"triangle_that_just_has_a_tip",
-                 {2.0, 4.0, 0.5},
-                 {-0.5, 0.0},
-                 -0.40625,
-                 {{{0, 0}, {0.25, 0.5}, {0.375, 0}}}},
-        Maneuver{"trapezoid_without_velocity_limit",
-                 {2.0, 4.0, 0.0},
-                 {0.0, 0.0},
-                 1.5,
-                 {{{0, 0}, {1.0, 2.0}, {1.5, 0}}}},
-        Maneuver{"velocity_limit_alone",
-                 {0.0, 0.0, 0.5},
-                 {0.2, 0.0},
-                 -0.8,
-                 {{{0, -0.5}, {2, -0.5}, {2, 0}}}},
-        Maneuver{"acceleration_limit_alone",
-                 {2.0, 0.0, 0.0},
-                 {0.0, 0.0},
-                 1.0,
-                 {{{0, 0}, {1, 2}, {1, 0}}}},
-        Maneuver{"deceleration_limit_alone", {0.0, 2.0, 0.0}, {0.0, 0.0}, 1.0, {{{0, 2}, {1, 0}}}},
-        Maneuver{"no_deceleration_limit",
-                 {2.0, 0.0, 0.5},
-                 {0.0, 0.0},
-                 1.0625,
-                 {{{0, 0}, {0.25, 0.5}, {2.25, 0.5}, {2.25, 0}}}},
-        Maneuver{"no_acceleration_limit",
-                 {0.0, 2.0, 0.5},
-                 {0.0, 0.0},
-                 1.0625,
-                 {{{0, 0.5}, {2, 0.5}, {2.25, 0}}}},
-        Maneuver{"nowhere", {2.0, 4.0, 0.5}, {0.3, 0.0}, 0.3, {{{0, 0}, {0.1, 0}}}}),
+        Steers("trapezoid", kAllLimits, {0.0, 0.0}, 1.0,
+               {{0, 0}, {0.25, 0.5}, {2.0625, 0.5}, {2.1875, 0}}),
+        Steers("triangle", kAllLimits, {0.0, 0.0}, 0.03,
+               {{0, 0}, {std::sqrt(0.02), 2 * std::sqrt(0.02)}, {1.5 * std::sqrt(0.02), 0}}),
+        Steers("triangle_that_just_has_a_tip", kAllLimits, {-0.5, 0.0}, -0.40625,
+               {{0, 0}, {0.25, 0.5}, {0.375, 0}}),
+        Steers("trapezoid_without_velocity_limit", {2.0, 4.0, 0.0}, {0.0, 0.0}, 1.5,
+               {{0, 0}, {1.0, 2.0}, {1.5, 0}}),
+        Steers("velocity_limit_alone", {0.0, 0.0, 0.5}, {0.2, 0.0}, -0.8,
+               {{0, -0.5}, {2, -0.5}, {2, 0}}),
+        Steers("acceleration_limit_alone", {2.0, 0.0, 0.0}, {0.0, 0.0}, 1.0,
+               {{0, 0}, {1, 2}, {1, 0}}),
+        Steers("deceleration_limit_alone", {0.0, 2.0, 0.0}, {0.0, 0.0}, 1.0, {{0, 2}, {1, 0}}),
+        Steers("no_deceleration_limit", {2.0, 0.0, 0.5}, {0.0, 0.0}, 1.0625,
+               {{0, 0}, {0.25, 0.5}, {2.25, 0.5}, {2.25, 0}}),
+        Steers("no_acceleration_limit", {0.0, 2.0, 0.5}, {0.0, 0.0}, 1.0625,
+               {{0, 0.5}, {2, 0.5}, {2.25, 0}}),
+        Steers("nowhere", kAllLimits, {0.3, 0.0}, 0.3, {{0, 0}, {0.1, 0}})),
     [](const testing::TestParamInfo<Maneuver>& info) { return info.param.name; });
 
 // The target changes while the wheel is moving.
@@ -111,66 +94,39 @@ INSTANTIATE_TEST_SUITE_P(
     InMotion, Steering,
     testing::Values(
         // Half a second along and 0.125 s down: 0.25 + 0.03125 rad.
-        Maneuver{
-            "goes_on", {2.0, 4.0, 0.5}, {0.1, 0.5}, 0.38125, {{{0, 0.5}, {0.5, 0.5}, {0.625, 0}}}},
-        Maneuver{"speeds_up_further",
-                 {2.0, 4.0, 0.5},
-                 {0.0, 0.2},
-                 0.08375,
-                 {{{0, 0.2}, {0.15, 0.5}, {0.275, 0}}}},
-        Maneuver{"slows_down_at_once", {2.0, 4.0, 0.5}, {0.0, 0.4}, 0.02, {{{0, 0.4}, {0.1, 0}}}},
+        Steers("goes_on", kAllLimits, {0.1, 0.5}, 0.38125, {{0, 0.5}, {0.5, 0.5}, {0.625, 0}}),
+        Steers("speeds_up_further", kAllLimits, {0.0, 0.2}, 0.08375,
+               {{0, 0.2}, {0.15, 0.5}, {0.275, 0}}),
+        Steers("slows_down_at_once", kAllLimits, {0.0, 0.4}, 0.02, {{0, 0.4}, {0.1, 0}}),
         // 0.03125 rad on until it rests, 1 rad back.
-        Maneuver{"turns_round",
-                 {2.0, 4.0, 0.5},
-                 {0.2, 0.5},
-                 0.23125 - 1.0,
-                 {{{0, 0.5}, {0.125, 0}, {0.375, -0.5}, {2.1875, -0.5}, {2.3125, 0}}}},
+        Steers("turns_round", kAllLimits, {0.2, 0.5}, 0.23125 - 1.0,
+               {{0, 0.5}, {0.125, 0}, {0.375, -0.5}, {2.1875, -0.5}, {2.3125, 0}}),
         // To rest 0.03125 rad further on, 0.03 rad past the target, and back in a triangle.
-        Maneuver{"is_too_fast_to_stop",
-                 {2.0, 4.0, 0.5},
-                 {0.0, 0.5},
-                 0.00125,
-                 {{{0, 0.5},
-                   {0.125, 0},
-                   {0.125 + std::sqrt(0.02), -2 * std::sqrt(0.02)},
-                   {0.125 + 1.5 * std::sqrt(0.02), 0}}}},
-        Maneuver{"is_commanded_to_stay",
-                 {2.0, 4.0, 0.5},
-                 {0.0, -0.4},
-                 0.0,
-                 {{{0, -0.4},
-                   {0.1, 0},
-                   {0.1 + std::sqrt(0.04 / 3.0), 2.0 * std::sqrt(0.04 / 3.0)},
-                   {0.1 + 1.5 * std::sqrt(0.04 / 3.0), 0}}}},
-        Maneuver{"stays_at_once_without_deceleration_limit",
-                 {2.0, 0.0, 0.5},
-                 {0.1, -0.4},
-                 0.1,
-                 {{{0, 0}, {0.1, 0}}}},
-        Maneuver{"turns_round_at_once_without_deceleration_limit",
-                 {2.0, 0.0, 0.0},
-                 {1.0, 0.7},
-                 0.0,
-                 {{{0, 0}, {1, -2}, {1, 0}}}},
-        Maneuver{"turns_round_without_acceleration_limit",
-                 {0.0, 2.0, 0.5},
-                 {0.0, 0.5},
-                 -1.0,
-                 {{{0, 0.5}, {0.25, 0}, {0.25, -0.5}, {2.25, -0.5}, {2.5, 0}}}}),
+        Steers("is_too_fast_to_stop", kAllLimits, {0.0, 0.5}, 0.00125,
+               {{0, 0.5},
+                {0.125, 0},
+                {0.125 + std::sqrt(0.02), -2 * std::sqrt(0.02)},
+                {0.125 + 1.5 * std::sqrt(0.02), 0}}),
+        Steers("is_commanded_to_stay", kAllLimits, {0.0, -0.4}, 0.0,
+               {{0, -0.4},
+                {0.1, 0},
+                {0.1 + std::sqrt(0.04 / 3.0), 2.0 * std::sqrt(0.04 / 3.0)},
+                {0.1 + 1.5 * std::sqrt(0.04 / 3.0), 0}}),
+        Steers("stays_at_once_without_deceleration_limit", {2.0, 0.0, 0.5}, {0.1, -0.4}, 0.1,
+               {{0, 0}, {0.1, 0}}),
+        Steers("turns_round_at_once_without_deceleration_limit", {2.0, 0.0, 0.0}, {1.0, 0.7}, 0.0,
+               {{0, 0}, {1, -2}, {1, 0}}),
+        Steers("turns_round_without_acceleration_limit", {0.0, 2.0, 0.5}, {0.0, 0.5}, -1.0,
+               {{0, 0.5}, {0.25, 0}, {0.25, -0.5}, {2.25, -0.5}, {2.5, 0}})),
     [](const testing::TestParamInfo<Maneuver>& info) { return info.param.name; });
 
-TEST(Steer, IsAtOnceWithoutLimits) {
+TEST(Steer, IsAtOnceWithoutLimitsAndTakesNoTimeForNoTime) {
   for (const double time : {0.0, 0.005, 3.0}) {
     const SteeringState state = Steer({0.3, 0.2}, -0.7, {}, time);
-
     EXPECT_EQ(state.angle, -0.7);
     EXPECT_EQ(state.rate, 0.0);
   }
-}
-
-TEST(Steer, TakesNoTimeForNoTime) {
   const SteeringState state = Steer({0.3, 0.2}, -0.7, {2.0, 4.0, 0.5}, 0.0);
-
   EXPECT_EQ(state.angle, 0.3);
   EXPECT_EQ(state.rate, 0.2);
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "world/world.hpp"
@@ -13,9 +14,17 @@ namespace flatland {
 
 inline constexpr double kStep = 0.005;  ///< [s]
 
-inline FixtureSettings Solid() {
+inline FixtureSettings Dense(double density) {
   FixtureSettings settings;
-  settings.density = 1.0;
+  settings.density = density;
+  return settings;
+}
+
+inline FixtureSettings Solid() { return Dense(1.0); }
+
+inline FixtureSettings Ghost() {
+  FixtureSettings settings = Solid();
+  settings.collides = false;
   return settings;
 }
 
@@ -54,6 +63,32 @@ inline World::Body AddPost(World& world, const Pose& pose) {
   return world.AddBody(At(pose, b2_staticBody));
 }
 
+inline World::Body AddDisc(World& world, const Pose& pose, double radius,
+                           const FixtureSettings& fixture = Solid(), Vec2 center = {}) {
+  const World::Body disc = world.AddBody(At(pose));
+  world.AddCircle(disc, center, radius, fixture);
+  return disc;
+}
+
+inline RevoluteSettings HingeWithin(double lower, double upper) {
+  RevoluteSettings settings;
+  settings.limits = {{lower, upper}};
+  return settings;
+}
+
+inline WeldSettings WeldAt(Vec2 anchor_a) {
+  WeldSettings settings;
+  settings.anchor_a = anchor_a;
+  return settings;
+}
+
+inline LidarSettings LidarOf(double angle_min, double increment, int beams) {
+  LidarSettings settings;
+  settings.fan = std::make_shared<BeamFan>(angle_min, increment, beams);
+  settings.scan.range = 5.0;
+  return settings;
+}
+
 inline void StepTimes(World& world, int steps) {
   for (int step = 0; step < steps; ++step) world.Step(kStep);
 }
@@ -79,11 +114,7 @@ class WorldTest : public testing::Test {
 
 inline void ExpectSame(const std::vector<Pose>& a, const std::vector<Pose>& b) {
   ASSERT_EQ(a.size(), b.size());
-  for (size_t i = 0; i < a.size(); ++i) {
-    ASSERT_EQ(a[i].x, b[i].x) << i;
-    ASSERT_EQ(a[i].y, b[i].y) << i;
-    ASSERT_EQ(a[i].yaw, b[i].yaw) << i;
-  }
+  for (size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a[i], b[i]) << i;
 }
 
 }  // namespace flatland

@@ -81,31 +81,22 @@ class ContactTest : public testing::Test {
  protected:
   ContactTest() { world_.contacts().SetListener(&recorder_); }
 
-  World::Body AddBody(const Pose& pose, b2BodyType type = b2_dynamicBody) {
-    BodySettings settings;
-    settings.type = type;
-    settings.pose = pose;
-    return world_.AddBody(settings);
-  }
+  World::Body AddBody(const Pose& pose) { return world_.AddBody(At(pose)); }
 
   World::Body AddBox(const Pose& pose, const FixtureSettings& settings = Solid(),
                      b2BodyType type = b2_dynamicBody) {
-    const World::Body box = AddBody(pose, type);
-    world_.AddPolygon(box, {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}, settings);
+    const World::Body box = world_.AddBody(At(pose, type));
+    world_.AddPolygon(box, Square(1.0), settings);
     return box;
   }
 
   World::Body AddBall(const Pose& pose, const FixtureSettings& settings = Solid()) {
-    const World::Body ball = AddBody(pose);
-    world_.AddCircle(ball, {0, 0}, 0.5, settings);
-    return ball;
+    return AddDisc(world_, pose, 0.5, settings);
   }
 
   World::Body AddWallAt(double x) { return world_.AddLayer({{{x, -5}, {x, 5}}}, 0xFFFF); }
 
-  void StepTimes(int steps) {
-    for (int step = 0; step < steps; ++step) world_.Step(kStep);
-  }
+  void StepTimes(int steps) { flatland::StepTimes(world_, steps); }
 
   Recorder recorder_;
   World world_{10, 10};

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "test_bodies.hpp"
 #include "world/world.hpp"
 
 namespace flatland {
@@ -16,7 +17,7 @@ struct View {
   std::vector<float> intensities;
 };
 
-class LidarTest : public testing::Test {
+class LidarTest : public WorldTest {
  protected:
   LidarTest() { settings_.range = 30.0; }
 
@@ -29,19 +30,14 @@ class LidarTest : public testing::Test {
   // The range of a single beam along the lidar's x axis.
   float LookAhead(const Pose& pose) { return Look(BeamFan(0.0, 0.0, 1), pose).ranges[0]; }
 
-  World::Body AddBody(const Pose& pose) {
-    BodySettings settings;
-    settings.pose = pose;
-    return world_.AddBody(settings);
-  }
+  World::Body AddBody(const Pose& pose) { return world_.AddBody(At(pose)); }
 
   void AddWallAt(double x, LayerBits layers = 0xFFFF) {
     world_.AddLayer({{{x, -20}, {x, 20}}}, layers);
   }
 
-  World world_{10, 10};
   ScanSettings settings_;
-  const std::vector<Vec2> square_{{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
+  const std::vector<Vec2> square_ = Square(1.0);
   const BeamFan forward_{-0.75 * M_PI, 1.5 * M_PI / 1080, 1081};
 };
 

@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <numeric>
 #include <vector>
 
 #include "test_bodies.hpp"
+#include "test_numbers.hpp"
 
 namespace flatland {
 namespace {
@@ -55,10 +55,7 @@ class WorldBatchTest : public WorldTest {
     world_.AddWeld(base, tail, WeldSettings());
     robot_.bodies = {base, tail};
     robot_.drive = world_.AddDrive(base, {2, 2, 3}, {});
-    LidarSettings lidar;
-    lidar.fan = std::make_shared<BeamFan>(-2.0, 0.13, kBeams);
-    lidar.scan.range = 5.0;
-    robot_.lidar = world_.lidars().Add(base, lidar);
+    robot_.lidar = world_.lidars().Add(base, LidarOf(-2.0, 0.13, kBeams));
   }
 
   /// The action of an environment in a round: two numbers.
@@ -111,14 +108,10 @@ TEST_F(WorldBatchTest, AnEnvironmentIsAWorld) {
   ExpectEnvironmentsToBeWorlds();
 }
 
-TEST_F(WorldBatchTest, AnEnvironmentIsAWorldWithWallsThatWereAddedLater) {
+TEST_F(WorldBatchTest, AnEnvironmentIsAWorldWithASmallTreeAndWithWallsThatWereAddedLater) {
   AddBodies();
-  AddWalls();
   ExpectEnvironmentsToBeWorlds();
-}
-
-TEST_F(WorldBatchTest, AnEnvironmentIsAWorldWithASmallTree) {
-  AddBodies();
+  AddWalls();
   ExpectEnvironmentsToBeWorlds();
 }
 
@@ -146,7 +139,6 @@ TEST_F(WorldBatchTest, EnvironmentsThatAreNotResetGoOn) {
 TEST_F(WorldBatchTest, OnlyChosenEnvironmentsMakeSteps) {
   AddWalls();
   AddBodies();
-  const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const int threads : {1, 2}) {
     WorldBatch batch(world_, {robot_}, 7, threads), all(world_, {robot_}, 7, 1);
     Rows rows(7), expected(7);
@@ -158,7 +150,7 @@ TEST_F(WorldBatchTest, OnlyChosenEnvironmentsMakeSteps) {
         std::vector<double> chosen(actions);
         for (int k = 0; k < 7; ++k) {
           mask[k] = (k + 1) / 3 == part;
-          if (!mask[k]) chosen[2 * k] = nan;
+          if (!mask[k]) chosen[2 * k] = kNaN;
         }
         batch.Step(chosen.data(), 5, kStep, rows.rows(), false, mask);
         EXPECT_EQ(rows.steps[0], 5 * (round + 1));
@@ -168,7 +160,7 @@ TEST_F(WorldBatchTest, OnlyChosenEnvironmentsMakeSteps) {
       ASSERT_EQ(rows.ranges, expected.ranges);
     }
     const bool none[7] = {};
-    const std::vector<double> wrong(14, nan);
+    const std::vector<double> wrong(14, kNaN);
     batch.Step(wrong.data(), 5, kStep, rows.rows(), false, none);
     EXPECT_EQ(rows.poses, expected.poses);
     const bool one[7] = {false, true};
@@ -184,10 +176,7 @@ TEST_F(WorldBatchTest, SeveralRobotsOfAnEnvironmentAreThoseOfAWorld) {
   const World::Body disc = AddBox(world_, {1.5, 0.9, 3.0}, 0.3);
   second.bodies = {disc};
   second.drive = world_.AddDrive(disc, {2, 2, 3}, {});
-  LidarSettings lidar;
-  lidar.fan = std::make_shared<BeamFan>(-1.0, 0.1, kBeams);
-  lidar.scan.range = 5.0;
-  second.lidar = world_.lidars().Add(disc, lidar);
+  second.lidar = world_.lidars().Add(disc, LidarOf(-1.0, 0.1, kBeams));
   const std::vector<BatchRobot> robots{robot_, second};
   constexpr int kCount = 5, kAt = 2;  // the environment that is compared
   constexpr int kFirst = 2 * kAt, kSecond = kFirst + 1;
@@ -202,7 +191,7 @@ TEST_F(WorldBatchTest, SeveralRobotsOfAnEnvironmentAreThoseOfAWorld) {
       bool mask[2 * kCount];
       std::fill(mask, mask + 2 * kCount, true);
       if (round >= 40) {  // the first robot is left out, and so is an environment
-        actions[2 * kFirst] = std::numeric_limits<double>::quiet_NaN();
+        actions[2 * kFirst] = kNaN;
         mask[kFirst] = mask[0] = mask[1] = false;
       }
       batch.Step(actions.data(), 7, kStep, rows.rows(), false, mask);
@@ -239,8 +228,7 @@ TEST_F(WorldBatchTest, RefusesWhatBox2DCannotComputeWith) {
   WorldBatch batch(world_, {robot_}, 2, 1);
   Rows before(2), rows(2);
   batch.Observe(before.rows());
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  const std::vector<double> actions{1, 0, 1, nan}, poses{0, 0, 0, 1e9, 0, 0}, good(6, 0.0);
+  const std::vector<double> actions{1, 0, 1, kNaN}, poses{0, 0, 0, 1e9, 0, 0}, good(6, 0.0);
   EXPECT_THROW(batch.Step(actions.data(), 1, kStep, rows.rows()), std::invalid_argument);
   EXPECT_THROW(batch.Step(good.data(), 0, kStep, rows.rows()), std::invalid_argument);
   EXPECT_THROW(batch.Step(good.data(), 1, 0.0, rows.rows()), std::invalid_argument);
@@ -301,7 +289,7 @@ TEST_F(WorldBatchTest, MotionsAreReadAndSet) {
   EXPECT_NEAR(velocities[6], 0.5, 1e-6);
   EXPECT_NEAR(poses[14], 40 * kStep * 2.0, 1e-5);
   EXPECT_EQ(poses[9], rows.poses[3]);
-  set[4] = std::numeric_limits<double>::infinity();
+  set[4] = kInfinity;
   EXPECT_THROW(batch.SetVelocities(nullptr, {box}, set.data()), std::invalid_argument);
 }
 

@@ -16,9 +16,7 @@ class WorldCopyTest : public WorldTest {
     world_.AddCircle(driven_, {0.2, 0.1}, 0.3, Solid());
     drive_ = world_.AddDrive(driven_, {}, {});
     const World::Body other = AddBox(world_, {-2.6, 0, 0}, 0.4);
-    WeldSettings weld;
-    weld.anchor_a = {-0.6, 0.0};
-    world_.AddWeld(driven_, other, weld);
+    world_.AddWeld(driven_, other, WeldAt({-0.6, 0.0}));
     arm_ = AddBox(world_, {1.6, 1.5, 0}, 0.3);
     world_.SetMass(arm_, 3.0, 0.7, Vec2{0.04, -0.03});
     RevoluteSettings hinge;
@@ -43,9 +41,7 @@ class WorldCopyTest : public WorldTest {
 };
 
 void ExpectSame(const World& a, const World& b, World::Body body) {
-  EXPECT_EQ(a.GetPose(body).x, b.GetPose(body).x);
-  EXPECT_EQ(a.GetPose(body).y, b.GetPose(body).y);
-  EXPECT_EQ(a.GetPose(body).yaw, b.GetPose(body).yaw);
+  EXPECT_EQ(a.GetPose(body), b.GetPose(body));
   EXPECT_EQ(a.GetVelocity(body).vx, b.GetVelocity(body).vx);
   EXPECT_EQ(a.GetVelocity(body).omega, b.GetVelocity(body).omega);
 }

@@ -1,15 +1,17 @@
-/// Removal of bodies; access by one thread at a time; reproducibility.
+/// Bodies: removal, moves, collisions, layers; access by one thread at a time; reproducibility.
 
 #include "world/world.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <ostream>
 #include <stdexcept>
 #include <thread>
 #include <vector>
 
 #include "test_bodies.hpp"
+#include "world/box2d_timer.hpp"
 
 namespace flatland {
 namespace {
@@ -91,16 +93,166 @@ std::vector<Pose> PlayOut() {
   return poses;
 }
 
-TEST(World, EqualWorldsMoveEquallyToTheLastBit) {
-  const std::vector<Pose> once = PlayOut();
-  const std::vector<Pose> again = PlayOut();
+TEST(World, EqualWorldsMoveEquallyToTheLastBit) { ExpectSame(PlayOut(), PlayOut()); }
 
-  for (size_t i = 0; i < once.size(); ++i) {
-    EXPECT_EQ(once[i].x, again[i].x) << "body " << i;
-    EXPECT_EQ(once[i].y, again[i].y) << "body " << i;
-    EXPECT_EQ(once[i].yaw, again[i].yaw) << "body " << i;
+TEST_F(WorldTest, SetPoseKeepsTheVelocity) {
+  const World::Body box = AddBox(world_, {0, 0, 0});
+  world_.SetVelocity(box, {1, 0.5, 0.3});
+
+  world_.SetPose(box, {-3, 4, 2});
+
+  ExpectPose(world_.GetPose(box), {-3, 4, 2}, 1e-6);
+  ExpectTwist(world_.GetVelocity(box), {1, 0.5, 0.3}, 1e-6);
+  StepTimes(world_, 200);
+  ExpectPose(world_.GetPose(box), {-2, 4.5, 2.3}, 1e-4);
+}
+
+TEST_F(WorldTest, SetPoseKeepsTheVelocityOfABodyThatRotatesOffItsCentre) {
+  const World::Body body = AddDisc(world_, {}, 0.2, Solid(), {0.3, 0});
+  world_.SetVelocity(body, {1, 0, 2});
+
+  world_.SetPose(body, {0, 0, M_PI / 2});
+
+  ExpectTwist(world_.GetVelocity(body), {1, 0, 2}, 1e-6);
+}
+
+TEST_F(WorldTest, SetPoseWakesASleepingBody) {
+  const World::Body box = AddBox(world_, {0, 0, 0});
+  world_.AddLayer({{{0, 2}, {4, 2}}}, 0xFFFF);
+  StepTimes(world_, 400);
+
+  // Half a metre deep in a wall: Box2D pushes only awake bodies out of it.
+  world_.SetPose(box, {2, 1.6, 0});
+  StepTimes(world_, 400);
+
+  EXPECT_LT(world_.GetPose(box).y, 1.52);
+}
+
+TEST_F(WorldTest, SetPoseKeepsAHingeWithinItsLimitsAtAnyHeading) {
+  const World::Body base = AddBox(world_, {0, 0, 3.0});
+  const World::Body arm = AddBox(world_, {0, 0, 3.0});
+  world_.AddRevolute(base, arm, HingeWithin(-0.5, 0.5));
+
+  // The same headings, whole rotations away.
+  world_.SetPose(base, {0, 0, 3.0 + 2.0 * M_PI});
+  world_.SetPose(arm, {0, 0, 3.0 - 4.0 * M_PI});
+  StepTimes(world_, 100);
+
+  ExpectPose(world_.GetPose(base), {0, 0, 3.0}, 1e-5);
+  ExpectPose(world_.GetPose(arm), {0, 0, 3.0}, 1e-5);
+}
+
+TEST_F(WorldTest, ALayerIsABodyOfWalls) {
+  const World::Body layer = world_.AddLayer({{{0, 0}, {4, 0}}, {{4, 0}, {4, 3}}}, 0b101);
+
+  EXPECT_TRUE(world_.Contains(layer));
+  EXPECT_EQ(world_.GetType(layer), b2_staticBody);
+  EXPECT_EQ(world_.GetFixtureCount(layer), 2);
+  EXPECT_EQ(world_.GetSettings({layer, 1}).layers, 0b101);
+  EXPECT_FALSE(world_.TestPoint({layer, 1}, {4, 1}));  // a wall is not thick
+  ExpectPose(world_.GetPose(layer), {}, 0.0);
+  EXPECT_EQ(world_.GetMass(layer), 0.0);
+  EXPECT_THROW(world_.GetSettings({layer, 2}), std::invalid_argument);
+}
+
+TEST_F(WorldTest, ALayerCannotBeMovedOrRemoved) {
+  const World::Body layer = world_.AddLayer({{{2, -5}, {2, 5}}}, 0xFFFF);
+
+  EXPECT_THROW(world_.RemoveBody(layer), std::invalid_argument);
+  EXPECT_THROW(world_.SetPose(layer, {1, 0, 0}), std::invalid_argument);
+  EXPECT_THROW(world_.AddCircle(layer, {0, 0}, 1.0, Solid()), std::invalid_argument);
+  EXPECT_THROW(world_.AddPolygon(layer, Square(1), Solid()), std::invalid_argument);
+
+  // Forces do not move it either, and it still stops bodies.
+  world_.SetVelocity(layer, {1, 0, 0});
+  world_.ApplyForce(layer, {5, 0});
+  world_.ApplyLinearImpulse(layer, {5, 0});
+  const World::Body box = AddBox(world_, {0, 0, 0});
+  world_.SetVelocity(box, {2, 0, 0});
+  StepTimes(world_, 400);
+  ExpectPose(world_.GetPose(layer), {}, 0.0);
+  EXPECT_EQ(world_.GetFixtureCount(layer), 1);
+  EXPECT_LT(world_.GetPose(box).x, 1.6);
+}
+
+// In a step the first box moves by more than its own length; the other one is driven.
+TEST_F(WorldTest, FastBoxesDoNotPassThroughAWall) {
+  world_.AddLayer({{{3.03, -5}, {3.03, 5}}}, 0xFFFF);
+  const World::Body box = AddBox(world_, {0, 0, 0}, 0.04);
+  world_.SetVelocity(box, {20, 0, 0});
+  const World::Body driven = AddBox(world_, {0, 2, 0}, 0.4);
+  world_.Get(world_.AddDrive(driven, {}, {})).Command({20, 0, 0});
+
+  StepTimes(world_, 400);
+
+  EXPECT_NEAR(world_.GetPose(box).x, 2.98, 0.05);
+  EXPECT_LT(world_.GetPose(driven).x, 3.03);
+}
+
+struct Meeting {
+  const char* name;
+  FixtureSettings moving;
+  FixtureSettings waiting;
+  bool collide;
+};
+
+void PrintTo(const Meeting& meeting, std::ostream* out) { *out << meeting.name; }
+
+class Collision : public testing::TestWithParam<Meeting> {};
+
+TEST_P(Collision, OfABoxPushedAtAnother) {
+  World world(10, 10);
+  const World::Body moving = AddBox(world, {0, 0, 0}, 1.0, GetParam().moving);
+  const World::Body waiting = AddBox(world, {2, 0, 0}, 1.0, GetParam().waiting);
+  world.SetVelocity(moving, {2, 0, 0});
+
+  StepTimes(world, 400);
+
+  if (GetParam().collide) {
+    EXPECT_GT(world.GetPose(waiting).x, 2.5);
+    EXPECT_LT(world.GetPose(moving).x, world.GetPose(waiting).x - 0.9);
+  } else {
+    EXPECT_NEAR(world.GetPose(moving).x, 4.0, 1e-4);
+    EXPECT_EQ(world.GetPose(waiting).x, 2.0);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(
+    Meetings, Collision,
+    testing::Values(Meeting{"all_layers_collide", Solid(), Solid(), true},
+                    Meeting{"one_shared_layer_collides", OnLayers(0b011), OnLayers(0b110), true},
+                    Meeting{"highest_layer_collides", OnLayers(0x8000), OnLayers(0x8000), true},
+                    Meeting{"no_shared_layer_passes", OnLayers(0b001), OnLayers(0b110), false},
+                    Meeting{"no_layers_pass", OnLayers(0), Solid(), false},
+                    Meeting{"not_colliding_passes", Ghost(), Solid(), false},
+                    Meeting{"passes_what_does_not_collide", Solid(), Ghost(), false},
+                    Meeting{"sensor_passes", Sensor(), Solid(), false},
+                    Meeting{"passes_a_sensor", Solid(), Sensor(), false}),
+    [](const testing::TestParamInfo<Meeting>& info) { return info.param.name; });
+
+TEST_F(WorldTest, FrictionSlowsABoxThatSlidesAlongAWall) {
+  for (const double friction : {0.0, 1.0}) {
+    World world(10, 10);
+    world.AddLayer({{{-50, 0}, {50, 0}}}, 0xFFFF);
+    FixtureSettings settings = Solid();
+    settings.friction = friction;
+    const World::Body box = AddBox(world, {0, 0.51, 0}, 1.0, settings);
+    world.SetVelocity(box, {2, 0, 0});
+
+    for (int step = 0; step < 200; ++step) {
+      world.ApplyForce(box, {0, -1});
+      world.Step(kStep);
+    }
+
+    if (friction == 0.0) {
+      EXPECT_NEAR(world.GetVelocity(box).vx, 2.0, 1e-4);
+    } else {
+      EXPECT_LT(world.GetVelocity(box).vx, 1.8);
+    }
+  }
+}
+
+TEST(Box2DTimerTest, Box2DDoesNotReadTheClock) { EXPECT_FALSE(Box2DReadsClock()); }
 
 }  // namespace
 }  // namespace flatland

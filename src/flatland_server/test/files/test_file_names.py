@@ -41,6 +41,7 @@ def test_all_files_of_a_world_may_be_in_a_package(good_files, package):
 
     assert len(world.get_layer("map").segments) > 4
     assert world.get_model("robot").config.path == package / "robot.model.yaml"
+    world.spawn_model("package://robots/robot.model.yaml", "second", "second", Pose())
     good_files.edit("world.yaml", "package://robots/p.yaml", "package://robts/p.yaml")
     assert 'world.yaml:1: no ROS package is named "robts"' in good_files.refusal()
 
@@ -61,15 +62,6 @@ def test_a_path_may_begin_with_the_home_folder(good_files, monkeypatch):
         world.spawn_model("~/none.yaml", "none", "", Pose())
 
 
-def test_a_model_of_a_package_may_be_spawned(good_files, package):
-    good_files.write("empty.yaml", "{properties: {}, layers: [{name: [map, walls]}]}")
-    world = good_files.load("empty.yaml")
-
-    world.spawn_model("package://robots/robot.model.yaml", "robot", "", Pose())
-
-    assert list(world.models) == ["robot"]
-
-
 def test_flatland_check_takes_a_package(package, capsys):
     (package / "box.yaml").write_text(MODEL)
 
@@ -85,10 +77,7 @@ def test_flatland_check_takes_a_package(package, capsys):
         ("package://robts/a.yaml", 'no ROS package is named "robts" (did you mean "robots"?)'),
         ("package://robots", 'expected package://name/path, found "package://robots"'),
         ("package:///a.yaml", 'expected package://name/path, found "package:///a.yaml"'),
-        (
-            "package://robots/none.yaml",
-            "expected a file, but workspace/robots/none.yaml is not the",
-        ),
+        ("package://robots/none.yaml", "expected a file, but workspace/robots/none.yaml is not"),
     ],
 )
 def test_a_file_missing_in_a_package_is_named_with_its_line(good_files, package, name, message):

@@ -189,44 +189,42 @@ def test_a_valid_world_is_read_as_it_was_written(files, written):
     assert len(config.layers) == len(world["layers"])
     assert len(config.models) == len(world["models"])
     for read, entry in zip(config.models, world["models"]):
-        assert read.name == entry["name"]
-        assert read.namespace == entry.get("namespace", "")
-        assert list(read.pose) == entry.get("pose", [0, 0, 0])
+        assert_read(read, entry, ["name"], {"namespace": "", "pose": [0, 0, 0]})
         assert_model(read.model, model)
+
+
+BODY = {"pose": [0, 0, 0], "type": "dynamic", "color": [1, 1, 1, 0.5]}
+BODY.update(linear_damping=0, angular_damping=0)
+FOOTPRINT = {"friction": 0, "restitution": 0, "sensor": False, "collision": True}
+FOOTPRINT["layers"] = ["all"]
+JOINT = {"limits": None, "angle": 0, "frequency": 0, "damping": 0, "collide_connected": False}
+
+
+def assert_read(config: Any, entry: Any, keys: Iterable[str], defaults: Dict[str, Any]) -> None:
+    """Asserts that a configuration has the values of its entry, and defaults for others."""
+    expected = {key: entry.get(key, value) for key, value in defaults.items()}
+    expected.update((key, entry[key]) for key in keys)
+    values = {key: getattr(config, key) for key in expected}
+    assert {k: list(v) if isinstance(v, tuple) else v for k, v in values.items()} == expected
 
 
 def assert_model(config: Any, model: Any) -> None:
     """Asserts that the configuration of a model is that of its file."""
     for body, entry in zip(config.bodies, model["bodies"]):
-        assert body.name == entry["name"]
-        assert list(body.pose) == entry.get("pose", [0, 0, 0])
-        assert body.type == entry.get("type", "dynamic")
-        assert list(body.color) == entry.get("color", [1, 1, 1, 0.5])
-        assert body.linear_damping == entry.get("linear_damping", 0)
-        assert body.angular_damping == entry.get("angular_damping", 0)
+        assert_read(body, entry, ["name"], BODY)
         assert len(body.footprints) == len(entry["footprints"])
         for footprint, shape in zip(body.footprints, entry["footprints"]):
             if isinstance(footprint.shape, Circle):
-                assert footprint.shape.radius == shape["radius"]
-                assert list(footprint.shape.center) == shape.get("center", [0, 0])
+                assert_read(footprint.shape, shape, ["radius"], {"center": [0, 0]})
             else:
                 assert [list(point) for point in footprint.shape.vertices] == shape["points"]
-            assert footprint.density == shape["density"]
-            assert footprint.friction == shape.get("friction", 0)
-            assert footprint.restitution == shape.get("restitution", 0)
-            assert footprint.sensor == shape.get("sensor", False)
-            assert footprint.collision == shape.get("collision", True)
-            assert list(footprint.layers) == shape.get("layers", ["all"])
+            assert_read(footprint, shape, ["density"], FOOTPRINT)
     joints = model.get("joints", [])
     assert len(config.joints) == len(joints)
     for joint, entry in zip(config.joints, joints):
-        assert (joint.type, joint.name) == (entry["type"], entry["name"])
+        assert_read(joint, entry, ["type", "name"], JOINT)
         assert list(joint.bodies) == [end["name"] for end in entry["bodies"]]
         assert [list(anchor) for anchor in joint.anchors] == [e["anchor"] for e in entry["bodies"]]
-        assert (None if joint.limits is None else list(joint.limits)) == entry.get("limits")
-        for key in ("angle", "frequency", "damping"):
-            assert getattr(joint, key) == entry.get(key, 0)
-        assert joint.collide_connected == entry.get("collide_connected", False)
 
 
 # Invalid files

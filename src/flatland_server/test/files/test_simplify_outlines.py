@@ -21,6 +21,10 @@ def corners(segments: np.ndarray) -> set:
     return set(map(tuple, segments.reshape(-1, 2).tolist()))
 
 
+def directionless(segments: np.ndarray) -> list:
+    return sorted(sorted([(a, b), (c, d)]) for a, b, c, d in segments.tolist())
+
+
 def farthest(points: np.ndarray, segments: np.ndarray) -> float:
     """The largest distance of any point to the nearest of some segments."""
     start, along = segments[:, :2], segments[:, 2:] - segments[:, :2]
@@ -62,20 +66,15 @@ def test_an_outline_gets_fewer_segments_within_the_tolerance(name, level):
 
 
 @pytest.mark.parametrize("drawing", DRAWINGS.values(), ids=DRAWINGS.keys())
-def test_the_stronger_level_has_no_more_segments(drawing):
+def test_a_closed_outline_stays_closed_with_fewer_segments_at_each_level(drawing):
     original = outlines(picture(drawing))
 
-    assert len(simplify(original, TOLERANCES[2]).segments) <= len(
-        simplify(original, TOLERANCES[1]).segments
-    )
-
-
-@pytest.mark.parametrize("drawing", DRAWINGS.values(), ids=DRAWINGS.keys())
-def test_a_closed_outline_stays_closed(drawing):
-    simplified = simplify(outlines(picture(drawing)), 1.0).segments
+    least, simplified, most = (simplify(original, each).segments for each in (2.0, 1.0, 0.0))
 
     ends, counts = np.unique(simplified.reshape(-1, 2), axis=0, return_counts=True)
     assert (counts % 2 == 0).all(), ends[counts % 2 == 1]
+    assert len(least) <= len(simplified) <= len(most)
+    assert directionless(most) == directionless(original)
 
 
 @pytest.mark.parametrize("tolerance", [0.0, 1.0, 2.0])
@@ -86,15 +85,6 @@ def test_the_corners_of_a_rectangle_stay_exactly(tolerance):
 
     assert corners(simplified) == {(20.0, 30.0), (80.0, 30.0), (80.0, 90.0), (20.0, 90.0)}
     assert len(simplified) == 4
-
-
-def test_without_a_tolerance_nothing_moves():
-    original = outlines(picture(DRAWINGS["a ring"]))
-
-    def directionless(segments):
-        return sorted(sorted([(a, b), (c, d)]) for a, b, c, d in segments.tolist())
-
-    assert directionless(simplify(original, 0.0).segments) == directionless(original)
 
 
 def test_a_corner_at_which_two_blocks_touch_is_kept():
@@ -122,9 +112,8 @@ def test_the_ends_of_an_open_line_are_kept():
 
     simplified = simplify(line, 1.0).segments
 
-    assert simplified.tolist() == [[0.0, 0.0, 19.0, 1.0]] or simplified.tolist() == [
-        [19.0, 1.0, 0.0, 0.0]
-    ]
+    assert directionless(simplified) == [[(0.0, 0.0), (19.0, 1.0)]]
+    assert simplify(np.empty((0, 4)), 1.0).segments.shape == (0, 4)
 
 
 @pytest.mark.parametrize("level", [0, 1, 2])
@@ -148,10 +137,6 @@ def test_a_thin_ring_has_no_gap(level):
             distance = (start[:, 0] * along[:, 1] - start[:, 1] * along[:, 0]) / across
             share = (start[:, 0] * ray[1] - start[:, 1] * ray[0]) / across
         assert ((distance > 0) & (share >= -1e-9) & (share <= 1 + 1e-9)).any(), angle
-
-
-def test_no_segments_are_simplified_to_no_segments():
-    assert simplify(np.empty((0, 4)), 1.0).segments.shape == (0, 4)
 
 
 @pytest.mark.parametrize("level", [0, 1, 2])

@@ -86,16 +86,6 @@ def test_a_number_that_physics_cannot_represent_is_refused(spoilt, file, old, ne
     assert spoilt.refusal().startswith(fault)
 
 
-def test_a_missing_world_is_named(files):
-    assert files.refusal() == "world.yaml: cannot be read: No such file or directory"
-
-
-def test_a_world_that_is_a_folder_is_named(files):
-    (files.folder / "world.yaml").mkdir()
-
-    assert files.refusal() == "world.yaml: cannot be read: Is a directory"
-
-
 @pytest.mark.parametrize(
     ("old", "new"),
     [("map: map.yaml", "map: {}"), ("model: robot", "model: {}"), ("[1, 2, 0.5]", "$include {}")],
@@ -108,6 +98,12 @@ def test_a_file_name_that_is_too_long_is_refused(good_files, old, new):
 
     assert message.startswith("world.yaml:")
     assert name in message
+
+
+def test_a_missing_world_or_a_folder_is_named(files):
+    assert files.refusal() == "world.yaml: cannot be read: No such file or directory"
+    (files.folder / "world.yaml").mkdir()
+    assert files.refusal() == "world.yaml: cannot be read: Is a directory"
 
 
 def test_a_list_for_a_merge_key_is_refused(good_files):

@@ -75,58 +75,48 @@ def test_few_files_are_kept(files, read, monkeypatch):
 # Includes
 
 
-def test_the_documented_include_relative_and_absolute(files, read):
-    child = files.write("child.yaml", "a: 1\nb: 2\n")
-
-    result = read(f"foo: 123\nbar: $include child.yaml\nbaz: $include {child}\n")
-
-    assert result == {"foo": 123, "bar": {"a": 1, "b": 2}, "baz": {"a": 1, "b": 2}}
-
-
-def test_the_documented_include_of_several_documents_in_a_list(files, read):
-    files.write("child.yaml", "one\n---\na: foo\nb: baz\n---\nthree\n")
-
-    result = read("foo:\n  - first\n  - $[include] child.yaml\n  - last\n")
-
-    assert result == {"foo": ["first", "one", {"a": "foo", "b": "baz"}, "three", "last"]}
-
-
-def test_a_separator_after_the_last_document_begins_no_other_one(files, read):
-    files.write("child.yaml", "one\n---\ntwo\n---\n")
-
-    assert read("foo:\n  - $[include] child.yaml\n---\n# the end\n") == {"foo": ["one", "two"]}
-
-
-def test_an_include_is_relative_to_its_own_file(files, read):
-    files.write("parts/wheel.yaml", "radius: $include sizes/radius.yaml\n")
-    files.write("parts/sizes/radius.yaml", "0.25\n")
-
-    assert read("wheel: $include parts/wheel.yaml\n") == {"wheel": {"radius": 0.25}}
-
-
-def test_a_whole_file_may_be_an_include(files, read):
-    files.write("child.yaml", "a: 1\n")
-
-    assert read("$include child.yaml\n") == {"a": 1}
-
-
-def test_an_item_of_a_list_may_be_an_include_of_one_document(files, read):
-    files.write("child.yaml", "[1, 2]\n")
-
-    assert read("foo: [$include child.yaml, 3]\n") == {"foo": [[1, 2], 3]}
+INCLUDES = {
+    "relative and absolute": (
+        {"child": "a: 1\nb: 2\n"},
+        "foo: 123\nbar: $include child.yaml\nbaz: $include FOLDER/child.yaml\n",
+        {"foo": 123, "bar": {"a": 1, "b": 2}, "baz": {"a": 1, "b": 2}},
+    ),
+    "of several documents in a list": (
+        {"child": "one\n---\na: foo\nb: baz\n---\nthree\n"},
+        "foo:\n  - first\n  - $[include] child.yaml\n  - last\n",
+        {"foo": ["first", "one", {"a": "foo", "b": "baz"}, "three", "last"]},
+    ),
+    "with a separator that begins no other document": (
+        {"child": "one\n---\ntwo\n---\n"},
+        "foo:\n  - $[include] child.yaml\n---\n# the end\n",
+        {"foo": ["one", "two"]},
+    ),
+    "relative to its own file": (
+        {"parts/wheel": "radius: $include sizes/radius.yaml\n", "parts/sizes/radius": "0.25\n"},
+        "wheel: $include parts/wheel.yaml\n",
+        {"wheel": {"radius": 0.25}},
+    ),
+    "of a whole file": ({"child": "a: 1\n"}, "$include child.yaml\n", {"a": 1}),
+    "of one document as an item": (
+        {"child": "[1, 2]\n"},
+        "foo: [$include child.yaml, 3]\n",
+        {"foo": [[1, 2], 3]},
+    ),
+    "twice": ({"child": "1\n"}, "[$include child.yaml, $include child.yaml]\n", [1, 1]),
+    "of expressions and includes": (
+        {"child": "- $[include] numbers.yaml\n", "numbers": "$eval 1 + 1\n---\n$eval 2 + 1\n"},
+        "foo: $include child.yaml\n",
+        {"foo": [2, 3]},
+    ),
+}
 
 
-def test_a_file_may_be_included_twice(files, read):
-    files.write("child.yaml", "1\n")
+@pytest.mark.parametrize(("others", "text", "value"), INCLUDES.values(), ids=INCLUDES)
+def test_an_include(files, read, others, text, value):
+    for name, content in others.items():
+        files.write(f"{name}.yaml", content)
 
-    assert read("[$include child.yaml, $include child.yaml]\n") == [1, 1]
-
-
-def test_included_files_may_have_expressions_and_includes(files, read):
-    files.write("child.yaml", "- $[include] numbers.yaml\n")
-    files.write("numbers.yaml", "$eval 1 + 1\n---\n$eval 2 + 1\n")
-
-    assert read("foo: $include child.yaml\n") == {"foo": [2, 3]}
+    assert read(text.replace("FOLDER", str(files.folder))) == value
 
 
 def test_a_cycle_by_a_symbolic_link_is_refused(files, read):
@@ -155,10 +145,6 @@ def test_a_string_that_only_resembles_a_keyword_is_kept(read, text):
 
 
 # Expressions
-
-
-def test_an_expression_may_begin_with_a_bracket(read):
-    assert read("foo: $eval(1 + 2) * 3\n") == {"foo": 9}
 
 
 @pytest.mark.parametrize(
@@ -190,6 +176,7 @@ def test_an_expression_may_begin_with_a_bracket(read):
         ("select('#', 1, 2, 3)", 3),
         ("tonumber('0x10')", 16),
         ("type(env)", "function"),
+        ("(1 + 2) * 3", 9),
         ("return 4", 4),
         ("local a = 2; return a * a", 4),
     ],
@@ -230,27 +217,24 @@ def test_the_documented_environment_variable_that_is_not_set(read, monkeypatch, 
     assert '"SOME_ENV" is not set and has no default; a blank string is used' in caplog.text
 
 
-def test_the_documented_default_of_an_environment_variable(read, monkeypatch, caplog):
+@pytest.mark.parametrize(
+    ("expression", "value"),
+    [
+        ('env("SOME_ENV", false)', False),
+        ('env("SET_ENV")', True),
+        ('param("/test/param", 0)/2.0', 0),
+        # The documentation says 2.5, which is 5.0 / 2.0 without the 1 that it adds.
+        ('param("/set/param", 0)/2.0 + 1', 3.5),
+        ('param("/robot").wheels[2] * 2', 0.4),
+    ],
+)
+def test_the_documented_defaults_and_values(read, monkeypatch, caplog, expression, value):
     monkeypatch.delenv("SOME_ENV", raising=False)
+    monkeypatch.setenv("SET_ENV", "true")
+    params = {"/set/param": 5.0, "/robot": {"wheels": [0.1, 0.2]}}
 
-    assert evaluate(read, 'env("SOME_ENV", false)') is False
+    assert evaluate(read, expression, params) == value
     assert caplog.text == ""
-
-
-def test_the_documented_environment_variable_that_is_set(read, monkeypatch):
-    monkeypatch.setenv("SOME_ENV", "true")
-
-    assert evaluate(read, 'env("SOME_ENV")') is True
-
-
-def test_the_documented_default_of_a_parameter(read, caplog):
-    assert evaluate(read, 'param("/test/param", 0)/2.0') == 0
-    assert caplog.text == ""
-
-
-def test_the_documented_parameter_that_is_set(read):
-    # The documentation says 2.5, which is 5.0 / 2.0 without the 1 that it adds.
-    assert evaluate(read, 'param("/test/param", 0)/2.0 + 1', {"/test/param": 5.0}) == 3.5
 
 
 def test_the_documented_blank_of_a_parameter_that_is_not_set(read, caplog):
@@ -277,12 +261,6 @@ def test_an_environment_variable_becomes_a_bool_number_or_string(read, monkeypat
 )
 def test_a_parameter_comes_back_as_it_was_set(read, value):
     assert evaluate(read, 'param("/p")', {"/p": value}) == value
-
-
-def test_a_parameters_tables_can_be_used_in_lua(read):
-    params = {"/robot": {"wheels": [0.1, 0.2]}}
-
-    assert evaluate(read, 'param("/robot").wheels[2] * 2', params) == 0.4
 
 
 def test_the_enabled_flag_follows_an_expression(good_files, monkeypatch):

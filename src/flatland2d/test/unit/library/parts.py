@@ -53,5 +53,26 @@ class Pusher(ModelPlugin):
         self.speed = state
 
 
+DISC = {"type": "circle", "radius": 0.3, "density": 1}
+LASER = {"type": "Laser", "name": "laser", "body": "base", "range": 8}
+SCANNER = {
+    "bodies": [{"name": "base", "footprints": [DISC]}],
+    "plugins": [
+        {"type": "DiffDrive", "name": "drive", "body": "base"},
+        {**LASER, "angle": {"min": -3.1, "max": 3.1, "increment": 0.2}},
+    ],
+}
+"""A robot with built-in plugins."""
+
+
+def room(*maps, layers=("map", "other"), model=SCANNER):
+    """A world of a robot, with a map for each layer."""
+    return {
+        "properties": {},
+        "layers": [{"name": name, "map": map} for name, map in zip(layers, maps)],
+        "models": [{"name": "robot", "model": model}],
+    }
+
+
 LOADER = PluginLoader([PluginDeclaration.of(Pusher)])
 ROBOT = {"bodies": [BODY], "plugins": [{"type": "Pusher", "name": "pusher"}]}

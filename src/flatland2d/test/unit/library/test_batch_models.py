@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from library.parts import DISC
 
 from flatland2d import FlatlandError, Simulation, SimulationBatch, UsageError, world_content
 
@@ -13,16 +14,8 @@ def crowded_room():
     """
     content = world_content("test_room")
     [box] = [m for m in world_content("office")["models"] if m["name"] == "box_1"]
-    column = {
-        "bodies": [
-            {
-                "name": "column",
-                "type": "static",
-                "pose": [0.1, 0.2, 0.3],
-                "footprints": [{"type": "circle", "radius": 0.3, "density": 1}],
-            }
-        ]
-    }
+    place = {"name": "column", "type": "static", "pose": [0.1, 0.2, 0.3]}
+    column = {"bodies": [{**place, "footprints": [DISC]}]}
     content["models"] += [{**box, "pose": [3, 1, 0]}, {"name": "column", "model": column}]
     content["models"][-1]["pose"] = [3, -1, 0]
     wedge = {"type": "polygon", "points": [[0, 0], [0.5, 0.1], [0.1, 0.4]], "density": 1}

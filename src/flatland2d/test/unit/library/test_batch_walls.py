@@ -2,40 +2,12 @@
 
 import numpy as np
 import pytest
+from library.parts import room
 
 from flatland2d import Simulation, SimulationBatch, StateError, UsageError, Walls
 from flatland_server.simulation.world_config import WorldConfig
 
-WORLD = {
-    "properties": {},
-    "layers": [
-        {"name": "map", "map": {"segments": [[-9, -9, 9, -9]]}},
-        {"name": "other", "map": {"segments": [[-9, 3, 9, 3]]}},
-    ],
-    "models": [
-        {
-            "name": "robot",
-            "model": {
-                "bodies": [
-                    {
-                        "name": "base",
-                        "footprints": [{"type": "circle", "radius": 0.3, "density": 1.0}],
-                    }
-                ],
-                "plugins": [
-                    {"type": "DiffDrive", "name": "drive", "body": "base"},
-                    {
-                        "type": "Laser",
-                        "name": "laser",
-                        "body": "base",
-                        "range": 8,
-                        "angle": {"min": -3.1, "max": 3.1, "increment": 0.2},
-                    },
-                ],
-            },
-        }
-    ],
-}
+WORLD = room({"segments": [[-9, -9, 9, -9]]}, {"segments": [[-9, 3, 9, 3]]})
 
 
 def box(half):

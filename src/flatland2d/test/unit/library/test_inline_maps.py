@@ -2,36 +2,15 @@
 
 import numpy as np
 import pytest
+from library.parts import room
 from PIL import Image
 
 from flatland2d import FlatlandError, Simulation, SimulationBatch, world_content
 from flatland_server.testing import WorldFiles
 
-ROBOT = {
-    "bodies": [{"name": "base", "footprints": [{"type": "circle", "radius": 0.2, "density": 10}]}],
-    "plugins": [
-        {"type": "DiffDrive", "name": "drive", "body": "base"},
-        {
-            "type": "Laser",
-            "name": "laser",
-            "body": "base",
-            "range": 9,
-            "angle": {"min": 0, "max": 6, "increment": 0.25},
-        },
-    ],
-}
-
-
-def world(map):
-    return {
-        "properties": {},
-        "layers": [{"name": "map", "map": map}],
-        "models": [{"name": "robot", "model": ROBOT}],
-    }
-
 
 def walls(map):
-    with Simulation(world(map)) as simulation:
+    with Simulation(room(map)) as simulation:
         return simulation.world.layers[0].segments
 
 
@@ -96,7 +75,7 @@ def test_files_may_have_such_maps_and_every_front_takes_them(tmp_path):
     files.write(
         "room.yaml", "segments: [[-2, -2, 2, -2], [2, -2, 2, 2]]\ncircles: [[-2, 0, 0.3]]\n"
     )
-    content = world({"segments": [[-2, -2, 2, -2], [2, -2, 2, 2]], "circles": [[-2, 0, 0.3]]})
+    content = room({"segments": [[-2, -2, 2, -2], [2, -2, 2, 2]], "circles": [[-2, 0, 0.3]]})
     inside, outside = (
         files.write(f"{name}.yaml", {**content, "layers": [{"name": "map", "map": map}]})
         for name, map in (("inside", content["layers"][0]["map"]), ("outside", "room.yaml"))
@@ -126,10 +105,7 @@ def test_files_may_have_such_maps_and_every_front_takes_them(tmp_path):
         ({"segments": [[1, 1, 1, 1]]}, r"a micrometre or more, found a shorter one: \[1.0, 1.0"),
         ({"polygons": [[[0, 0], [1, 1]]]}, r"polygons\[0\]: expected a list of 3 or more points"),
         ({"circles": [[0, 0, 1], [0, 0, 0]]}, r"expected a radius above 0 in circles\[1\]"),
-        (
-            {"circles": [[0, 0, 1e7]]},
-            r"layers\[0\].map: expected walls within 100 km of the origin",
-        ),
+        ({"circles": [[0, 0, 1e7]]}, r"\[0\].map: expected walls within 100 km of the origin"),
         ({"grid": np.zeros((2, 2))}, 'the required key "resolution" is missing'),
         ({"grid": [[1, 0], [1]], "resolution": 1}, "expected rows of the same length"),
         ({"grid": [["a"]], "resolution": 1}, "expected rows of numbers"),
@@ -139,7 +115,7 @@ def test_files_may_have_such_maps_and_every_front_takes_them(tmp_path):
 )
 def test_wrong_maps_are_refused_with_their_place(tmp_path, map, message):
     with pytest.raises(FlatlandError, match=message) as error:
-        Simulation(world(map))
+        Simulation(room(map))
     assert "layers[0].map" in str(error.value)
 
 

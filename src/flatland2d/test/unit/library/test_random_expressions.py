@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from library.parts import BODY
 
 from flatland2d import Simulation, SimulationBatch
 
@@ -122,12 +123,7 @@ def test_environments_have_the_random_numbers_of_their_seeds(world):
 
 
 def test_expressions_in_a_dict_are_drawn_by_the_seed_too(world):
-    model = {
-        "bodies": [
-            {"name": "base", "footprints": [{"type": "circle", "radius": 0.2, "density": 1}]}
-        ]
-    }
-    entry = {"name": "robot", "pose": ["$eval math.random()", 0, 0], "model": model}
+    entry = {"name": "robot", "pose": ["$eval math.random()", 0, 0], "model": {"bodies": [BODY]}}
     content = {"properties": {}, "layers": [], "models": [entry]}
     places = []
     for seed in (1, 2, 1):

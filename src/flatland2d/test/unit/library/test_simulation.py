@@ -26,16 +26,10 @@ def test_the_office_in_ten_lines():
         assert (sim.seed, sim.step_size, sim.time) == (1, 0.005, 0.1)
 
 
-def test_time_passes_in_steps_alone(sim):
-    assert sim.time == 0.0
-    assert sim.step() is sim
-    assert sim.time == 0.005
-    assert sim.step(np.int64(3)).time == 0.02
-
-
 def test_poses_and_velocities_have_a_row_for_each_model(sim):
     sim.models["robot"].command(0.4)
-    sim.step(2)
+    assert sim.step().time == 0.005
+    assert sim.step(np.int64(1)) is sim
 
     assert list(sim.models) == ["robot", "box"]
     for array in (sim.poses, sim.velocities):
@@ -46,12 +40,8 @@ def test_poses_and_velocities_have_a_row_for_each_model(sim):
     for name, pose, velocity in zip(sim.models, sim.poses, sim.velocities):
         assert tuple(sim.models[name].pose) == tuple(pose)
         assert tuple(sim.models[name].velocity) == tuple(velocity)
-
-
-def test_changing_a_returned_array_changes_no_simulation(sim):
-    sim.poses[:] = 9.0
-
-    assert sim.poses[0].tolist() == [0.0, 0.0, 0.5]
+    sim.poses[:] = 9.0  # a copy
+    assert tuple(sim.models["robot"].pose) == tuple(sim.poses[0]) != (9.0, 9.0, 9.0)
 
 
 def test_models_come_and_go(sim, tmp_path):

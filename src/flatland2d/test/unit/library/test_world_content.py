@@ -23,14 +23,6 @@ def test_the_content_gives_the_run_of_the_files():
     assert drive(config) == drive(config) == drive("office")
 
 
-def test_content_of_a_world_can_be_changed():
-    content = world_content("test_room")
-    content["models"][0]["pose"] = [1, 2, 0]
-    with Simulation(content) as simulation:
-        assert simulation.poses.tolist() == [[1, 2, 0]]
-    assert world_content("test_room")["models"][0]["pose"] == [0, 0, 0]
-
-
 def test_includes_expressions_and_folders_are_resolved(tmp_path):
     models = tmp_path / "models"
     models.mkdir()

@@ -18,11 +18,7 @@ WRONG = [
     (lambda sim: sim.reset(seed=-1), UsageError, "found -1"),
     (lambda sim: sim.reset(1.0), UsageError, "found 1.0"),
     (lambda sim: sim.load_state(b"x"), StateError, "expected the state of a world"),
-    (
-        lambda sim: sim.models["robt"],
-        ModelError,
-        r'"robt" \(did you mean "robot"\?\); there are: r',
-    ),
+    (lambda sim: sim.models["robt"], ModelError, r'"robt" \(did you mean "robot"\?\); there are'),
     (lambda sim: sim.move("bx", [0, 0, 0]), ModelError, r'"bx" \(did you mean "box"\?\)'),
     (lambda sim: sim.delete("bx"), ModelError, 'there is no model "bx"'),
     (lambda sim: sim.move("box", [0, 0]), UsageError, r"expected a pose \[x, y, yaw\], found \[0"),
@@ -107,30 +103,19 @@ def test_topics_that_are_no_names_are_refused(topics):
         Simulation("office", topics=topics)
 
 
-@pytest.mark.parametrize(
-    "call",
-    [
-        lambda sim: sim.step(),
-        lambda sim: sim.reset(),
-        lambda sim: sim.load_state(b""),
-        lambda sim: sim.save_state(),
-        lambda sim: sim.spawn(ROBOT, "c"),
-        lambda sim: sim.move("robot", [0, 0, 0]),
-        lambda sim: sim.delete("robot"),
-        lambda sim: sim.publish("/command", Float()),
-        lambda sim: sim.last("/speed"),
-        lambda sim: sim.subscribe("/speed"),
-        lambda sim: sim.record("run.bag"),
-        lambda sim: sim.models["robot"].command(1),
-        lambda sim: sim.models["robot"].sensors["pusher"],
-    ],
-)
-def test_a_closed_simulation_says_so(sim, call):
+def test_a_closed_simulation_says_so(sim):
+    robot = sim.models["robot"]
     sim.close()
     sim.close()
 
-    with pytest.raises(UsageError, match="the simulation is closed"):
-        call(sim)
+    for call, *arguments in (
+        *((sim.step,), (sim.reset,), (sim.load_state, b""), (sim.save_state,)),
+        *((sim.spawn, ROBOT, "c"), (sim.move, "robot", [0, 0, 0]), (sim.delete, "robot")),
+        *((sim.publish, "/command", Float()), (sim.last, "/speed"), (sim.subscribe, "/speed")),
+        *((sim.record, "run.bag"), (robot.command, 1), (lambda: robot.sensors["pusher"],)),
+    ):
+        with pytest.raises(UsageError, match="the simulation is closed"):
+            call(*arguments)
     assert sim.poses.shape == (2, 3)
 
 

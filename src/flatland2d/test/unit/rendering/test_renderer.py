@@ -4,6 +4,7 @@ import io
 import logging
 import sys
 import xml.etree.ElementTree as ElementTree
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -13,7 +14,6 @@ from flatland2d.rendering import renderer as rendering
 from flatland2d.rendering.plot import plot
 from flatland2d.rendering.renderer import Renderer, render
 from flatland2d.rendering.scene import grid_cell
-from flatland2d.rendering.view import View
 from flatland_server.exceptions import FlatlandError, ModelError
 from flatland_server.geometry import Pose
 from flatland_server.models.footprint import Circle
@@ -66,7 +66,7 @@ def where(picture, color, tolerance=3) -> np.ndarray:
     return np.argwhere((abs(np.asarray(picture).astype(int) - color) <= tolerance).all(axis=2))
 
 
-def test_walls_and_bodies_are_where_they_are_in_the_world(simulation):
+def test_walls_and_bodies_are_where_they_are_in_the_world(simulation, files):
     picture = render(simulation.world, (400, 400))
 
     assert (picture.shape, picture.dtype) == ((400, 400, 3), np.uint8)
@@ -77,6 +77,11 @@ def test_walls_and_bodies_are_where_they_are_in_the_world(simulation):
     assert len(discs) == pytest.approx(np.pi * scale**2, rel=0.1)
     assert walls.min() == pytest.approx(10, abs=2)
     assert walls.max() == pytest.approx(390, abs=2)
+    simulation.world.move_model("disc", Pose(2, 1, 0.3))
+    picture = render(simulation.world, (400, 400))
+    assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 30  # of edges that are anti-aliased
+    white = load(files, color="[1, 1, 1, 1]")
+    assert len(where(render(white.world, (400, 400)), (153, 153, 153))) > 1000
 
 
 def test_a_changed_footprint_is_drawn(simulation):
@@ -88,14 +93,6 @@ def test_a_changed_footprint_is_drawn(simulation):
 
     pixels = len(where(renderer.image(view), RED))
     assert pixels == pytest.approx(np.pi * (0.5 * view.scale) ** 2, rel=0.1)
-
-
-def test_edges_are_anti_aliased(simulation):
-    simulation.world.move_model("disc", Pose(2, 1, 0.3))
-
-    picture = render(simulation.world, (400, 400))
-
-    assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 30
 
 
 def test_a_sensor_is_an_outline(simulation):
@@ -246,12 +243,6 @@ def test_a_trail_is_drawn_below_the_models(simulation):
     assert (picture[row - 3 : row + 4, 100:300].min(axis=0)[:, 0] < 180).all()
 
 
-def test_white_walls_can_be_seen(files):
-    simulation = load(files, color="[1, 1, 1, 1]")
-
-    assert len(where(render(simulation.world, (400, 400)), (153, 153, 153))) > 1000
-
-
 def test_an_svg_file_shows_the_same(simulation, tmp_path):
     renderer = Renderer(simulation.world)
     path = tmp_path / "world.svg"
@@ -272,22 +263,19 @@ def test_a_picture_is_saved_by_the_suffix_of_its_name(simulation, tmp_path, suff
     path = tmp_path / f"world.{suffix}"
 
     renderer = Renderer(simulation.world)
-    rendering.save(path, renderer, renderer.view((40, 30)))
+    view = renderer.view((40, 30))
+    rendering.save(path, renderer, view)
 
     with Image.open(path) as image:
         assert image.size == (40, 30)
+    png = Image.open(io.BytesIO(rendering.to_png(renderer.image(view))))
+    assert png.convert("RGB") == renderer.image(view)
 
 
 @pytest.mark.parametrize("name", ["world.doc", "world", "no/such/folder/world.svg"])
 def test_a_file_that_cannot_be_written_is_an_error(simulation, tmp_path, name):
     with pytest.raises(FlatlandError, match="cannot be written"):
         rendering.save(tmp_path / name, Renderer(simulation.world))
-
-
-def test_png_bytes_are_a_picture(simulation):
-    image = Renderer(simulation.world).image(View.around((0, 0), 10.0, (40, 30)))
-
-    assert Image.open(io.BytesIO(rendering.to_png(image))).convert("RGB") == image
 
 
 def test_a_world_without_anything_has_a_picture(files):
@@ -317,23 +305,16 @@ def test_without_a_size_the_longer_side_has_1600_pixels(simulation):
 
 
 def test_a_plot_is_in_metres(simulation):
-    class Axes:
-        """The part of Matplotlib's Axes that is used."""
+    axes, renderer = Mock(), Renderer(simulation.world)
 
-        def imshow(self, image, extent, interpolation):
-            self.image, self.extent = image, extent
+    assert plot(renderer, axes) is axes
 
-        def set_xlabel(self, text):
-            assert text == "x [m]"
-
-        def set_ylabel(self, text):
-            assert text == "y [m]"
-
-    axes = Axes()
-
-    assert plot(Renderer(simulation.world), axes) is axes
-    assert axes.extent == pytest.approx((-4.2, 4.2, -4.2, 4.2), abs=0.02)
-    assert axes.image == Renderer(simulation.world).image()
+    [image] = axes.imshow.call_args.args
+    assert image == renderer.image()
+    extent = axes.imshow.call_args.kwargs["extent"]
+    assert extent == pytest.approx((-4.2, 4.2, -4.2, 4.2), abs=0.02)
+    axes.set_xlabel.assert_called_once_with("x [m]")
+    axes.set_ylabel.assert_called_once_with("y [m]")
 
 
 def test_a_plot_without_matplotlib_is_an_error(simulation, monkeypatch):

@@ -70,13 +70,7 @@ def test_only_pairs_with_both_values_count():
     del second[("room", "3")]
 
     assert compare(first, second, "time_to_goal")[:3] == (1, 1.0, 2.0)
-
-
-def test_equal_runs_do_not_differ():
-    found = compare(
-        runs("path_to_goal", [1.0, 2.0]), runs("path_to_goal", [1.0, 2.0]), "path_to_goal"
-    )
-
+    found = compare(first, first, "time_to_goal")
     assert (found.low, found.high, found.p) == (0.0, 0.0, 1.0)
 
 
@@ -105,18 +99,12 @@ def test_holms_method():  # of 4: 4 x 0.005, 3 x 0.01, 2 x 0.03, and no less tha
 
 
 def test_two_controllers_are_compared_in_each_world():
-    table = [
-        *rows("a", [1.0, 2.0]),
-        *rows("b", [2.0, None]),
-        *rows("a", [1.0], world="hall"),
-        *rows("b", [2.0], world="hall"),
-    ]
+    table = [*rows("a", [1.0, 2.0]), *rows("b", [2.0, None])]
+    table += [*rows("a", [1.0], world="hall"), *rows("b", [2.0], world="hall")]
 
-    found = [(row["world"], row["metric"], row["pairs"]) for row in comparison_rows(table, {})]
+    found = {(row["world"], row["metric"], row["pairs"]) for row in comparison_rows(table, {})}
 
-    assert ("room", "success", 2) in found
-    assert ("room", "time_to_goal", 1) in found
-    assert ("hall", "success", 1) in found
+    assert found >= {("room", "success", 2), ("room", "time_to_goal", 1), ("hall", "success", 1)}
 
 
 def test_p_values_are_adjusted_for_the_metrics_that_were_chosen():
@@ -161,15 +149,8 @@ def test_the_gate_catches_ten_per_cent_and_nothing_else():
 
     assert all(is_worse(1.1, seed) for seed in range(1, 21))
     assert not any(is_worse(1.0, seed) for seed in range(1, 21))
-
-
-def test_the_gate_catches_ten_per_cent_less_success():
-    before = rows("a", [5.0] * 100)
-    now = rows("a", [None] * 10 + [5.0] * 90)
-
-    assert [each.metric for each in verdicts(now, before, 0.01) if each.is_regression] == [
-        "success"
-    ]
+    found = verdicts(rows("a", [None] * 10 + [5.0] * 90), rows("a", [5.0] * 100), 0.01)
+    assert [each.metric for each in found if each.is_regression] == ["success"]
 
 
 def test_a_change_within_the_tolerance_is_no_regression():
@@ -188,14 +169,20 @@ def test_whole_numbers_and_fractions_of_a_parameter_are_paired():
     assert verdicts(now, before, 0.01)[0].result.pairs == 1
 
 
-def test_a_baseline_of_other_tasks_is_an_error():
-    with pytest.raises(FlatlandError, match="no scenario with the same world, controller"):
-        verdicts(rows("a", [1.0]), rows("b", [1.0]), 0.01)
-
-
-def test_the_error_for_an_incomplete_baseline_names_scenarios():
-    with pytest.raises(FlatlandError, match="for 3 of 5: 3, 4, 5; make a new baseline"):
-        verdicts(rows("a", [1.0] * 5), rows("a", [1.0] * 2), 0.01)
+@pytest.mark.parametrize(
+    ("before", "problem"),
+    [
+        (rows("b", [1.0]), "no scenario with the same world, controller"),
+        (rows("a", [1.0] * 2), "for 3 of 5: 3, 4, 5; make a new baseline"),
+        ([*rows("a", [1.0] * 5), rows("a", [1.0] * 2)[1]], "the baseline has scenario 2 twice"),
+        (rows("a", [math.nan] * 5), "expected finite numbers in time_to_goal"),
+        (rows("a", [math.inf] * 5), "expected finite numbers in time_to_goal"),
+        (rows("a", ["soon"] * 5), "scenario 1: expected a number in time_to_goal"),
+    ],
+)
+def test_a_baseline_that_is_not_of_these_scenarios_is_an_error(before, problem):
+    with pytest.raises(FlatlandError, match=problem):
+        verdicts(rows("a", [1.0] * 5), before, 0.01)
 
 
 def test_a_failed_run_of_a_baseline_is_no_lack():
@@ -205,13 +192,6 @@ def test_a_failed_run_of_a_baseline_is_no_lack():
     assert verdicts(rows("a", [1.0] * 5), before, 0.01)[0].result.pairs == 4
 
 
-def test_a_scenario_that_a_baseline_has_twice_is_named():
-    before = rows("a", [1.0, 1.0])
-
-    with pytest.raises(FlatlandError, match="the baseline has scenario 2 twice"):
-        verdicts(rows("a", [1.0, 1.0]), [*before, before[1]], 0.01)
-
-
 def test_a_baseline_of_other_parameters_is_an_error():
     def table(name):
         order = ("scenario", "world", "controller", name, "seed", "status", *COLUMNS)
@@ -219,12 +199,6 @@ def test_a_baseline_of_other_parameters_is_an_error():
 
     with pytest.raises(FlatlandError, match="by world, speed; found world, radius"):
         verdicts(table("speed"), table("radius"), 0.01)
-
-
-@pytest.mark.parametrize("value", [float("nan"), float("inf")])
-def test_a_baseline_without_finite_numbers_is_an_error(value):
-    with pytest.raises(FlatlandError, match="expected finite numbers in time_to_goal"):
-        verdicts(rows("a", [1.0] * 5), rows("a", [value] * 5), 0.01)
 
 
 def test_junit_has_a_case_for_each_comparison():
@@ -267,11 +241,6 @@ def test_files_that_are_no_baseline(tmp_path, content, problem):
 
     with pytest.raises(FlatlandError, match=problem):
         read_rows(tmp_path)
-
-
-def test_a_wrong_number_in_a_baseline_is_named():
-    with pytest.raises(FlatlandError, match="scenario 1: expected a number in time_to_goal"):
-        verdicts(rows("a", [1.0]), rows("a", ["soon"]), 0.01)
 
 
 ENDS = ("", "_low", "_high")
@@ -363,14 +332,10 @@ def test_the_best_and_those_not_significantly_worse_are_bold():
     assert "textbf" not in latex_table(summary)
 
 
-def test_a_figure_of_runs_that_all_failed_has_no_panels():
-    rows = [{**SUMMARY[0], "world": world, "success": None} for world in "ab"]
-
-    assert figure(rows).startswith(b"%PDF-")
-
-
 def test_a_figure_is_the_same_file_each_time():
-    first = figure(SUMMARY)
+    all_failed = [{**SUMMARY[0], "world": world, "success": None} for world in "ab"]
+    for summary in (SUMMARY, all_failed):
+        first = figure(summary)
 
-    assert first.startswith(b"%PDF-")
-    assert figure(SUMMARY) == first
+        assert first.startswith(b"%PDF-")
+        assert figure(summary) == first

@@ -1,6 +1,7 @@
 """Metrics of runs against cases that were computed by hand."""
 
 import math
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -65,64 +66,64 @@ def test_a_run_without_control_steps_has_no_motion():
     assert found == {"stalled_time": 0.0, "heading_change": 0.0, "mean_jerk": None}
 
 
-def result_of(settings, number=1):
-    """The row of a scenario."""
-    runner = ScenarioRunner(settings)
-    try:
-        return runner.run(scenarios_of(settings)[number - 1]).row
-    finally:
-        runner.close()
+@pytest.fixture
+def ahead(folder, settings_of):
+    """The row of a robot that drives ahead, from x = -3 by default, in a world with more."""
+
+    def run(more="", *, speed=0.5, start="[-3, 0, 0]", **keys):
+        with (folder / "world.yaml").open("a") as world:
+            world.write(more)
+        call = f'[{{name: a, call: "drivers.py:ahead", arguments: {{speed: {speed}}}}}]'
+        settings = settings_of(controllers=call, start=start, **keys)
+        with closing(ScenarioRunner(settings)) as runner:
+            return runner.run(scenarios_of(settings)[0]).row
+
+    return run
 
 
-AHEAD = '[{name: ahead, call: "drivers.py:ahead"}]'
-
-
-def test_a_straight_way_is_the_shortest_path(settings_of):
-    row = result_of(settings_of(controllers=AHEAD, start="[-3, 0, 0]", goal="[-1, 0]"))
+def test_a_straight_way_is_the_shortest_path(ahead):
+    row = ahead(goal="[-1, 0]")
 
     assert row["success"]
     assert row["shortest_path"] == pytest.approx(1.7)  # to 0.3 m from the goal
     assert row["spl"] == pytest.approx(1.0, abs=0.01)
     assert row["barn_score"] is None
+    assert row["people_distance"] is row["personal_fraction"] is None  # there are none
 
 
-def test_the_shortest_path_leads_around_static_bodies(settings_of):
-    keys = {"controllers": AHEAD, "start": "[0, 3, 0]", "goal": "[0, 1]", "time_limit": 0.1}
-
-    row = result_of(settings_of(**keys))  # the box of 1 x 0.6 m is between the two
+def test_the_shortest_path_leads_around_static_bodies(ahead):
+    row = ahead(start="[0, 3, 0]", goal="[0, 1]", time_limit=0.1)  # a box of 1 x 0.6 m between
 
     assert 2.0 < row["shortest_path"] < 2.8
     assert row["spl"] == 0.0
+    row = ahead(start=None, goal="[0, 9]", time_limit=0.1)  # behind a wall
+    assert row["shortest_path"] is row["spl"] is None
 
 
-def test_a_goal_that_cannot_be_reached_has_no_shortest_path(settings_of):
-    row = result_of(settings_of(controllers=AHEAD, goal="[0, 9]", start=None, time_limit=0.1))
-
-    assert row["shortest_path"] is None
-    assert row["spl"] is None
-
-
-def test_a_given_path_and_speed_give_the_score_of_barn(settings_of):
-    keys = {"start": "[-3, 0, 0]", "goal": "[-1, 0]", "shortest_path": 1.0, "top_speed": 2.0}
-
-    row = result_of(settings_of(controllers=AHEAD, **keys))  # 1.7 m at 0.5 m/s: 3.4 s
+def test_a_given_path_and_speed_give_the_score_of_barn(ahead):
+    row = ahead(goal="[-1, 0]", shortest_path=1.0, top_speed=2.0)  # 1.7 m at 0.5 m/s: 3.4 s
 
     assert row["shortest_path"] == 1.0
     assert row["barn_score"] == pytest.approx(0.5 / row["time"])
 
 
-def test_a_collision_names_the_thing_that_was_hit(settings_of):
-    row = result_of(settings_of(controllers=AHEAD, start="[2.5, 0, 0]", goal=None, time_limit=10))
+@pytest.mark.parametrize(
+    ("start", "people", "hit", "is_person"),
+    [
+        ("[2.5, 0, 0]", False, "walls", None),
+        ("[0, 0, 0]", False, None, None),  # within the time limit
+        ("[-2, 0, 0]", True, "people_0", True),
+        ("[-2, 2, 0]", True, "box", False),
+    ],
+)
+def test_a_collision_names_the_thing_that_was_hit(ahead, start, people, hit, is_person):
+    more = CROWD.replace("-1, 0", "0, 0") if people else ""
 
-    assert (row["collision"], row["collision_with"]) == (True, "walls")
-    assert row["person_collision"] is None  # there are no people
+    row = ahead(more, start=start, goal=None, time_limit=10 if hit else 1)
+
+    assert (row["collision"], row["collision_with"]) == (hit is not None, hit)
+    assert row["person_collision"] is is_person
     assert row["group_crossing_rate"] is None
-
-
-def test_without_a_collision_nothing_was_hit(settings_of):
-    row = result_of(settings_of(controllers=AHEAD, start="[0, 0, 0]", goal=None, time_limit=1))
-
-    assert (row["collision"], row["collision_with"]) == (False, None)
 
 
 CROWD = """
@@ -154,16 +155,10 @@ plugins:
         (None, 0.0, None, (None, None)),
     ],
 )
-def test_a_collision_is_attributed_to_robot_or_person(
-    folder, settings_of, goal, speed, fault, speeds
-):
-    if goal:
-        with (folder / "world.yaml").open("a") as world:
-            world.write(MEETING.replace("GOAL", goal))
-    controllers = f'[{{name: a, call: "drivers.py:ahead", arguments: {{speed: {speed}}}}}]'
-    keys = {"start": "[-1.2, -2, 0]", "goal": "[3, 3]", "time_limit": 9.0}
+def test_a_collision_is_attributed_to_robot_or_person(ahead, goal, speed, fault, speeds):
+    more = MEETING.replace("GOAL", goal) if goal else ""
 
-    row = result_of(settings_of(controllers=controllers, **keys))
+    row = ahead(more, speed=speed, start="[-1.2, -2, 0]", goal="[3, 3]", time_limit=9.0)
 
     assert row["person_collision"] == (None if goal is None else True)
     assert row["robot_at_fault"] == fault
@@ -172,25 +167,17 @@ def test_a_collision_is_attributed_to_robot_or_person(
     assert found == tuple(each if each is None else pytest.approx(each, abs=0.2) for each in speeds)
 
 
-def test_a_run_that_ends_before_its_goal_has_no_times_in_zones(folder, settings_of):
-    with (folder / "world.yaml").open("a") as world:
-        world.write(CROWD)
-    keys = {"start": "[-3, 0, 0]", "time_limit": 8.0}
-
-    arrived = result_of(settings_of(controllers=AHEAD, goal="[-1, 0]", **keys))
-    passed = result_of(settings_of(controllers=AHEAD, goal="[2, 2]", **keys))
+def test_a_run_that_ends_before_its_goal_has_no_times_in_zones(ahead):
+    arrived = ahead(CROWD, goal="[-1, 0]", time_limit=8.0)
+    passed = ahead(goal="[2, 2]", time_limit=8.0)
 
     assert arrived["personal_fraction"] + arrived["social_fraction"] == pytest.approx(1.0)
     assert passed["personal_fraction"] is passed["social_fraction"] is None
     assert passed["people_distance"] is not None
 
 
-def test_distances_from_people_and_the_time_in_their_zones(folder, settings_of):
-    with (folder / "world.yaml").open("a") as world:
-        world.write(CROWD)
-    keys = {"start": "[-3, 0, 0]", "goal": None, "time_limit": 8.0}
-
-    row = result_of(settings_of(controllers=AHEAD, **keys))  # from x = -3 to 1 at 0.5 m/s
+def test_distances_from_people_and_the_time_in_their_zones(ahead):
+    row = ahead(CROWD, goal=None, time_limit=8.0)  # from x = -3 to 1 at 0.5 m/s
 
     ahead = -3.0 + 0.5 * 0.05 * np.arange(1, 161)  # at control steps of 0.05 s
     distances = np.hypot(ahead, 1.0) - 0.2 - 0.25  # less the radii of the robot and the person
@@ -214,40 +201,16 @@ plugins:
 """
 
 
-def test_the_time_in_the_hull_of_a_group(folder, settings_of):
-    with (folder / "world.yaml").open("a") as world:
-        world.write(GROUP)
-    keys = {"start": "[-3, 0, 0]", "goal": None, "time_limit": 8.0}
-
-    row = result_of(settings_of(controllers=AHEAD, **keys))  # from x = -3 to 1 at 0.5 m/s
+def test_the_time_in_the_hull_of_a_group(ahead):
+    row = ahead(GROUP, goal=None, time_limit=8.0)  # from x = -3 to 1 at 0.5 m/s
 
     # Between the two of a group, 0.4 m of 4 m lead through the hull of their circles.
     assert row["group_crossing_rate"] == pytest.approx(0.1, abs=0.015)
 
 
-@pytest.mark.parametrize(("y", "hit"), [(0.0, "people_0"), (2.0, "box")])
-def test_person_collision_tells_whether_a_person_was_hit(folder, settings_of, y, hit):
-    with (folder / "world.yaml").open("a") as world:
-        world.write(CROWD.replace("-1, 0", "0, 0"))
-
-    row = result_of(settings_of(controllers=AHEAD, start=f"[-2, {y}, 0]", goal=None, time_limit=20))
-
-    assert row["collision_with"] == hit
-    assert row["person_collision"] is (hit == "people_0")
-
-
-def test_time_outs_and_paths_to_the_goal(settings_of):
-    keys = {"controllers": AHEAD, "start": "[-3, 0, 0]", "goal": "[-1, 0]"}  # 1.7 m at 0.5 m/s
-
-    late, arrived = (result_of(settings_of(**keys, time_limit=limit)) for limit in (2.0, 8.0))
+def test_time_outs_and_paths_to_the_goal(ahead):
+    late, arrived = (ahead(goal="[-1, 0]", time_limit=limit) for limit in (2.0, 8.0))
 
     assert (late["timed_out"], late["path_to_goal"]) == (True, None)
-    assert late["path_length"] == pytest.approx(1.0, abs=0.01)
+    assert late["path_length"] == pytest.approx(1.0, abs=0.01)  # at 0.5 m/s
     assert (arrived["timed_out"], arrived["path_to_goal"]) == (False, arrived["path_length"])
-
-
-def test_without_people_there_are_no_distances_from_them(settings_of):
-    row = result_of(settings_of(controllers=AHEAD, start="[0, 0, 0]", goal=None, time_limit=1))
-
-    assert row["people_distance"] is None
-    assert row["personal_fraction"] is None

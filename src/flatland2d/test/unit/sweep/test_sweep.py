@@ -35,6 +35,12 @@ def call(name):
     return f'{{name: {name}, call: "drivers.py:{name}"}}'
 
 
+def sweep(*arguments, jobs=1, code=0):
+    """Runs a sweep in this process, with its results in `out`."""
+    common = ("sweep", "scenarios.yaml", "--out", "out", "--jobs", str(jobs))
+    assert main([*common, *arguments]) == code
+
+
 def rows(folder="out"):
     with Path(folder, "results.csv").open(newline="") as file:
         return list(csv.DictReader(file))
@@ -121,7 +127,7 @@ def test_100_scenarios_interrupted_continued_and_a_worker_killed(settings_of, ca
 
     # Once more: nothing is left to do.
     before = journal()
-    assert main(["sweep", "scenarios.yaml", "--out", "out", "--pictures", "0"]) == 0
+    sweep("--pictures", "0")
     assert journal() == before
 
 
@@ -144,13 +150,12 @@ def test_workers_that_do_not_start_are_an_error(settings_of, capsys, monkeypatch
 
 
 def test_scenarios_that_crash_hang_or_raise_have_a_reason(settings_of, capsys):
-    names = ("dies", "hangs", "fails", "towards")
-    entries = ", ".join(f'{{name: {name}, call: "drivers.py:{name}"}}' for name in names)
+    entries = ", ".join(map(call, ("dies", "hangs", "fails", "towards")))
     once = '{name: once, call: "drivers.py:dies_once", arguments: {mark: mark}}'
     keys = {"controllers": f"[{entries}, {once}]", "seeds": "[2]"}
     settings_of(**QUICK, **keys, real_time_limit=6, retries=1)
 
-    assert main(["sweep", "scenarios.yaml", "--jobs", "2", "--out", "out"]) == 1
+    sweep(jobs=2, code=1)
 
     error = capsys.readouterr().err
     reasons = {row["controller"]: row["error"] for row in rows()}
@@ -173,33 +178,33 @@ def test_scenarios_that_crash_hang_or_raise_have_a_reason(settings_of, capsys):
     # Those that have failed can be run again, and nothing else is.
     settings_of(**QUICK, **keys, real_time_limit=1, retries=0)
     count = len(journal())
-    assert main(["sweep", "scenarios.yaml", "--retry-failed", "--jobs", "3", "--out", "out"]) == 1
+    sweep("--retry-failed", jobs=3, code=1)
     assert len(journal()) == count + 3
 
 
 def test_a_sweep_can_be_extended(settings_of, capsys):
     settings_of(**QUICK, seeds=3)
-    assert main(["sweep", "scenarios.yaml", "--out", "out", "--jobs", "1"]) == 0
+    sweep()
     first = rows()
 
     settings_of(**QUICK, seeds=4)
-    assert main(["sweep", "scenarios.yaml", "--out", "out", "--jobs", "1"]) == 0
+    sweep()
     assert "3 of 4 scenarios are done already" in capsys.readouterr().err
     assert rows()[:3] == first
 
     settings_of(**QUICK, seeds=4, time_limit=1)
-    assert main(["sweep", "scenarios.yaml", "--out", "out", "--jobs", "1"]) == 0
+    sweep()
     error = capsys.readouterr().err
     assert "scenarios.yaml or a file that it names has changed: 4 results in out" in error
     assert "done already" not in error
 
-    assert main(["sweep", "scenarios.yaml", "--out", "out", "--jobs", "1", "--restart"]) == 0
+    sweep("--restart")
     assert len(journal()) == 4
 
 
 def test_the_report_stands_alone_and_shows_runs_without_success(settings_of, capsys):
-    settings_of(**QUICK, seeds=3, controllers='[{name: a, call: "drivers.py:ahead"}]')
-    assert main(["sweep", "scenarios.yaml", "--out", "out", "--jobs", "1"]) == 0
+    settings_of(**QUICK, seeds=3, controllers=f"[{call('ahead')}]")
+    sweep()
 
     report = Path("out/report.html").read_text()
     pictures = re.findall(r'src="data:image/png;base64,([^"]+)"', report)
@@ -218,12 +223,11 @@ def test_the_report_stands_alone_and_shows_runs_without_success(settings_of, cap
 
 def test_a_scenario_is_replayed_alone(settings_of, capsys, monkeypatch):
     settings_of(**QUICK, seeds=3)
-    arguments = ["sweep", "scenarios.yaml", "--out", "out"]
-    assert main([*arguments, "--jobs", "1"]) == 0
+    sweep()
     row = rows()[1]
     capsys.readouterr()
 
-    assert main([*arguments, "--replay", "2"]) == 0
+    sweep("--replay", "2")
     output = capsys.readouterr().out
     assert output.startswith("scenario 2 (world ")
     assert f"path_length: {row['path_length']}\n" in output
@@ -234,7 +238,7 @@ def test_a_scenario_is_replayed_alone(settings_of, capsys, monkeypatch):
         "flatland2d.picture_page.open_in_browser", lambda url: pages.append(Thread(url))
     )
     monkeypatch.setattr("flatland2d.cli.sweep_replay._RATE", 1000.0)
-    assert main([*arguments, "--replay", "2", "--view"]) == 0
+    sweep("--replay", "2", "--view")
     assert capsys.readouterr().out == output
     [thread] = pages
     thread.join()
@@ -304,7 +308,7 @@ def test_without_ray_it_is_told_what_to_install(settings_of, capsys):
 
 def test_a_ray_worker_finds_the_files_in_its_working_directory(folder, settings_of):
     """On another machine, where the working directory is a copy of the folder."""
-    settings = settings_of(seeds=1, controllers='[{name: a, call: "drivers.py:ahead"}]')
+    settings = settings_of(seeds=1, controllers=f"[{call('ahead')}]")
     [scenario] = scenarios_of(settings)
     elsewhere = replace(settings, file=Path("/no/such/folder/scenarios.yaml"))
     try:
@@ -336,7 +340,7 @@ def test_a_forking_controller_answers_once_and_leaves_no_process(settings_of):
     names = ("towards", "forks", "forges")
     settings_of(**QUICK, controllers=", ".join(map(call, names)).join("[]"), seeds=8)
 
-    assert main(["sweep", "scenarios.yaml", "--out", "out", "--jobs", "2"]) == 0
+    sweep(jobs=2)
 
     found = {name: [row for row in rows() if row["controller"] == name] for name in names}
     for name in names:
@@ -347,9 +351,9 @@ def test_a_forking_controller_answers_once_and_leaves_no_process(settings_of):
 
 
 def test_answers_forged_by_other_processes_are_refused(settings_of, capsys):
-    settings_of(**QUICK, controllers=call("forges").join("[]"), seeds=1)
+    settings_of(**QUICK, controllers=f"[{call('forges')}]", seeds=1)
 
-    assert main(["sweep", "scenarios.yaml", "--out", "out", "--jobs", "1"]) == 0
+    sweep()
 
     error = capsys.readouterr().err
     assert re.search(r"to scenario 1, found one of process \d+ to scenario 9: it is refused", error)
@@ -358,15 +362,15 @@ def test_answers_forged_by_other_processes_are_refused(settings_of, capsys):
 
 
 def test_odd_texts_and_numbers_are_in_the_tables(settings_of, capsys):
-    settings_of(**QUICK, controllers=call("odd").join("[]"), seeds=5)
+    settings_of(**QUICK, controllers=f"[{call('odd')}]", seeds=5)
 
-    for jobs in ("2", "1"):  # again, from the journal
-        assert main(["sweep", "scenarios.yaml", "--out", "out", "--jobs", jobs]) == 1
+    for jobs in (2, 1):  # again, from the journal
+        sweep(jobs=jobs, code=1)
 
     first, second, third, *_ = rows()
     assert (first["word"], first["text"], first["x"]) == ("a", r"\udfff", "1e+308")
     assert second["error"].startswith(r"ValueError: no text: \ud800 (drivers.py:")
     assert third["error"] == "expected numbers below 1.8e308, found a larger one: 'n'"
     assert r"no text: \ud800" in Path("out/report.html").read_text()
-    assert main(["sweep", "scenarios.yaml", "--out", "out", "--replay", "1"]) == 0
+    sweep("--replay", "1")
     assert "the same as in out" in capsys.readouterr().out

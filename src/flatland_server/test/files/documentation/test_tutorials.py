@@ -26,19 +26,12 @@ def test_the_turtlebot_of_quick_start_drives(documented):
 def test_the_cleaner_of_create_model_is_complete(documented):
     cleaner = documented.model("cleaner.model.yaml")
 
-    assert [body.name for body in cleaner.bodies] == [
-        "base",
-        "front_wheel",
-        "rear_left_wheel",
-        "rear_right_wheel",
-    ]
+    names = ["base", "front_wheel", "rear_left_wheel", "rear_right_wheel"]
+    assert [body.name for body in cleaner.bodies] == names
     assert len(cleaner.bodies[0].footprints[0].shape.vertices) == 6
     assert len(cleaner.joints) == 3
-    assert [plugin.type for plugin in cleaner.plugins] == [
-        "ModelTfPublisher",
-        "TricycleDrive",
-        "Laser",
-    ]
+    kinds = ["ModelTfPublisher", "TricycleDrive", "Laser"]
+    assert [plugin.type for plugin in cleaner.plugins] == kinds
 
 
 @pytest.mark.parametrize("steering", [0.0, 0.4, -1.2])
@@ -62,13 +55,8 @@ def test_the_cleaner_of_create_model_drives(documented, steering):
     assert len(scans) == 2.0 * 40
     odometry = cleaner.transport.last("/odometry/filtered")
     assert (odometry.header.frame_id, odometry.child_frame_id) == ("map", "base")
-    assert cleaner.frames == {
-        ("map", "base"),
-        ("base", "front_wheel"),
-        ("base", "rear_left_wheel"),
-        ("base", "rear_right_wheel"),
-        ("base", "laser_front"),
-    }
+    on_base = ("front_wheel", "rear_left_wheel", "rear_right_wheel", "laser_front")
+    assert cleaner.frames == {("map", "base"), *(("base", name) for name in on_base)}
 
 
 def test_the_plugin_of_create_plugin_says_hello_from_the_cleaner(documented, caplog):
