@@ -95,6 +95,7 @@ TEST_F(DrivenRobot, DrivesStraight) {
   StepTimes(world_, 1000);
 
   ExpectPose(world_.GetPose(robot), {-0.5, 2.0, M_PI / 2}, 2e-4);
+  EXPECT_NEAR(world_.GetPose(robot).yaw, M_PI / 2, 1e-6);
   const World::Body far = AddRobot({50.0, 40.0, 0.0});
   world_.Get(world_.AddDrive(far, {}, {})).Command({0.8, 0.0, 0.0});
   StepTimes(world_, 2000);
