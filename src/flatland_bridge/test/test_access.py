@@ -129,6 +129,10 @@ def test_a_stream_keeps_the_newest_messages():
     for sample in samples[:5]:
         short.receive(sample)
     assert [short.take(0.0) for _ in range(3)] == [*samples[3:5], None]
+    throttled = Stream(encode=None, wake=lambda: None, budget=Budgets().open(), throttle=3600.0)
+    for sample in samples[:3]:
+        throttled.receive(sample)
+    assert [throttled.take(now) for now in (0.0, 1e9)] == [samples[0], None]
 
 
 def digest(server, client):

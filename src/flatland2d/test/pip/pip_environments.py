@@ -51,7 +51,9 @@ class Environment:
     """
 
     def __init__(self, name, requirements, first=()):
-        key = hashlib.sha256("\n".join([sys.version, *first, *requirements]).encode()).hexdigest()[:16]
+        key = hashlib.sha256("\n".join([sys.version, *first, *requirements]).encode()).hexdigest()[
+            :16
+        ]
         self.folder = FOLDER / f"{name}-{key}"
         self.python = self.folder / "bin" / "python"
         self._complete = self.folder / "complete"
