@@ -47,7 +47,8 @@ def environment():
 class Environment:
     """A virtual environment, which has the packages of these requirements.
 
-    Those of `first` are installed before the others. Only the builder has a pip, which installs into all: it takes 2 s to make another one.
+    Those of `first` are installed before the others. Only the builder has a pip, which installs
+    into all: it takes 2 s to make another one.
     """
 
     def __init__(self, name, requirements, first=()):
