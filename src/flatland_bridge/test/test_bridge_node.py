@@ -259,7 +259,9 @@ def test_calls_that_are_never_answered_end_with_their_client(master, start_bridg
 
     client.socket.close()
 
-    wait_until(lambda: {*service.begun[:4]} <= {*service.ended}, "the calls of the client that left")
+    wait_until(
+        lambda: {*service.begun[:4]} <= {*service.ended}, "the calls of the client that left"
+    )
     assert not {*service.begun[4:]} & {*service.ended}
     other.socket.close()
     wait_until(lambda: len(service.ended) == 8, "the calls of the other")

@@ -126,11 +126,13 @@ def main() -> int:
 
 
 def _show(pyqtgraph: Any, names: List[str], seconds: float) -> None:
+    from flatland_viz.garbage import collect_on_this_thread
     from flatland_viz.settings import DARK, Settings
 
     background, foreground = ("#1e1f22", "#e1e4e8") if Settings().is_on(DARK) else ("w", "k")
     pyqtgraph.setConfigOptions(background=background, foreground=foreground, antialias=True)
     application = pyqtgraph.mkQApp("plot")
+    _collection = collect_on_this_thread()
     plot = pyqtgraph.PlotWidget(title=" ")
     plot.setWindowTitle(f"Plot: {', '.join(names)}")
     plot.setLabel("bottom", "simulated time", units="s")

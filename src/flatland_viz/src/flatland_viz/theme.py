@@ -1,6 +1,5 @@
 """The light and the dark look of the whole window."""
 
-import gc
 from typing import Optional
 
 from python_qt_binding.QtGui import QColor, QPalette
@@ -41,17 +40,9 @@ class Theme:
             self._usual = application.palette()
             self._usual_style = application.style().objectName()
         is_dark = name == "dark"
-        # Qt goes through a list of all widgets, and calls those in Python: if the garbage collector
-        # deletes other ones there, Qt crashes.
-        collects = gc.isenabled()
-        gc.disable()
-        try:
-            # Styles of desktops draw buttons and menus in colours of their own.
-            application.setStyle(QStyleFactory.create("Fusion" if is_dark else self._usual_style))
-            application.setPalette(_dark() if is_dark else self._usual)
-        finally:
-            if collects:
-                gc.enable()
+        # Styles of desktops draw buttons and menus in colours of their own.
+        application.setStyle(QStyleFactory.create("Fusion" if is_dark else self._usual_style))
+        application.setPalette(_dark() if is_dark else self._usual)
 
 
 def _dark() -> QPalette:

@@ -68,6 +68,7 @@ def _show_window(ends_server: bool) -> int:
     from python_qt_binding.QtWidgets import QApplication
 
     from flatland_viz.ending import end_launch, leave, shut_down
+    from flatland_viz.garbage import collect_on_this_thread
     from flatland_viz.problem_sources import ProblemSources
     from flatland_viz.scene import Scene
     from flatland_viz.server import Server
@@ -81,6 +82,7 @@ def _show_window(ends_server: bool) -> int:
     QApplication.setAttribute(Qt.AA_EnableHighDpiScaling)
     QApplication.setAttribute(Qt.AA_UseHighDpiPixmaps)
     application = QApplication(["flatland_viz"])
+    _collection = collect_on_this_thread()
     application.setWindowIcon(icon("flatland"))
     application.setApplicationDisplayName("")  # it would be appended to the window's title
     sys.excepthook = _report  # PyQt aborts the process otherwise

@@ -2,7 +2,9 @@
 
 import gc
 import math
+import threading
 import time
+import weakref
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -23,10 +25,12 @@ from python_qt_binding.QtWidgets import (
     QTreeWidget,
     QWidget,
 )
+from waiting import wait_until
 
 from flatland_viz import drive_panel, model_panel, world_menu
 from flatland_viz.drive_panel import NumberField
 from flatland_viz.file_dialog import ask_for_file
+from flatland_viz.garbage import collect_on_this_thread
 from flatland_viz.labels import SelectableLabel
 from flatland_viz.model_actions import ModelActions, pose_in, text_of
 from flatland_viz.model_list import Model, Topic
@@ -43,7 +47,13 @@ from flatland_viz.world_menu import WorldMenu
 
 @pytest.fixture(scope="module")
 def application():
-    return QApplication.instance() or QApplication(["test", "-platform", "offscreen"])
+    """Qt's application, with garbage collection as in the window."""
+    application = QApplication.instance() or QApplication(["test", "-platform", "offscreen"])
+    collection = collect_on_this_thread()
+    yield application
+    collection.stop()
+    gc.collect()
+    gc.enable()
 
 
 @pytest.fixture(params=["en_US", "de_DE"])
@@ -387,33 +397,25 @@ def test_the_dark_look_is_readable_and_the_light_one_comes_back(application):
     assert seen[-1] == before
 
 
-class Hungry(QWidget):
-    """A widget in Python that causes a garbage collection when its look changes."""
-
-    def changeEvent(self, event):
-        gc.set_threshold(1)
-        _ = [[] for _ in range(10)]
-
-
-def test_the_look_changes_while_closed_widgets_still_exist(application):
-    thresholds = gc.get_threshold()
-    gc.disable()
-    widgets = [Hungry() for _ in range(50)]
-    for widget in widgets[::2]:
+def test_widgets_are_collected_on_the_thread_of_the_window_alone(application):
+    threads = []  # on which they are collected
+    for _ in range(50):
+        widget = QWidget()
         widget.itself = widget
-    del widgets[::2], widget
-    gc.enable()
-
+        weakref.finalize(widget, lambda: threads.append(threading.get_ident()))
+    del widget
+    other = threading.Thread(target=lambda: [[] for _ in range(100_000)])
+    other.start()
+    other.join()
     theme = Theme()
+    for look in ("dark", "light"):
+        theme.apply(look)
+    assert threads == []
 
-    def change():
-        for look in ("dark", "light"):
-            theme.apply(look)
-        application.quit()
-
-    QTimer.singleShot(0, change)
-    application.exec_()
-    gc.set_threshold(*thresholds)
+    kept = [[] for _ in range(1000)]
+    wait_until(lambda: application.processEvents() or len(threads) == 50, "the widgets to go")
+    assert set(threads) == {threading.get_ident()}
+    assert kept
 
 
 class World(QObject):
