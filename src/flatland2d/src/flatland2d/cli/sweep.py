@@ -136,10 +136,9 @@ def _execute(options: argparse.Namespace) -> int:
         try:
             return _run(sweep, options, stack)
         except KeyboardInterrupt:
-            done = len(sweep.scenarios) - len(sweep.rest())
             print(
-                f"interrupted: {done} of {len(sweep.scenarios)} scenarios are done; the same "
-                "command runs the rest",
+                f"interrupted: {sweep.count_done()} of {len(sweep.scenarios)} scenarios are done; "
+                "the same command runs the rest",
                 file=sys.stderr,
             )
             return _INTERRUPTED

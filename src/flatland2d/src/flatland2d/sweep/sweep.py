@@ -122,6 +122,11 @@ class Sweep:
             if entry is None or (with_failed and entry.result.error)
         ]
 
+    def count_done(self) -> int:
+        """The number of scenarios that are done, after an interruption of `run`."""
+        self._journal.read_again()
+        return len(self.scenarios) - len(self.rest())
+
     @property
     def damaged(self) -> List[int]:
         """The numbers of damaged lines of the journal; the scenarios in them are not done."""
@@ -264,10 +269,14 @@ class Journal:
 
     def add(self, fingerprint: str, entry: Entry) -> None:
         """Writes the result of a scenario."""
-        self.entries[fingerprint] = entry
         times = {"seconds": entry.seconds, "attempts": entry.attempts}
         content = json.dumps({"scenario": fingerprint, **asdict(entry.result), **times}).encode()
         self._write(b"%s%s%d}\n" % (content[:-1], _CHECKSUM, zlib.crc32(content[:-1])))
+        self.entries[fingerprint] = entry
+
+    def read_again(self) -> None:
+        """Reads the entries from the file, after an interruption of `add` at any place."""
+        self.entries = _read(self._path)[0]
 
     def close(self) -> None:
         """Closes the file."""

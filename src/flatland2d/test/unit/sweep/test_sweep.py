@@ -21,6 +21,7 @@ from flatland2d.cli import main
 from flatland2d.sweep import ray_pool
 from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.settings import scenarios_of
+from flatland2d.sweep.sweep import Journal
 
 pytestmark = pytest.mark.slow
 
@@ -138,6 +139,28 @@ def test_workers_import_nothing_from_the_working_directory(folder, settings_of, 
     monkeypatch.chdir(folder / "elsewhere")
 
     assert main(["sweep", "../scenarios.yaml", "--jobs", "1", "--pictures", "0"]) == 0
+
+
+@pytest.mark.parametrize("is_written", [False, True])
+def test_an_interruption_tells_of_what_is_in_the_journal(
+    settings_of, capsys, monkeypatch, is_written
+):
+    write = Journal._write
+
+    def interrupted(journal, line):
+        is_third = len(journal.entries) == 2
+        if is_written or not is_third:
+            write(journal, line)
+        if is_third:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(Journal, "_write", interrupted)
+    settings_of(**QUICK, seeds=5)
+
+    sweep(code=130)
+
+    assert f"interrupted: {2 + is_written} of 5 scenarios" in capsys.readouterr().err
+    assert len(journal()) == 2 + is_written
 
 
 def test_workers_that_do_not_start_are_an_error(settings_of, capsys, monkeypatch):
