@@ -132,6 +132,17 @@ class RoomWindow:
     def wait_for_models(self, *names):
         self.waiting(lambda: self.ros.models() == [*names], f"the models {names}")
 
+    def published_models(self, *names):
+        """The models of the server's topic, once it has these: it follows the services."""
+
+        def published():
+            models = self.ros.message("/flatland_server/models", "flatland_msgs/ModelList")[
+                "models"
+            ]
+            return models if [each["name"] for each in models] == [*names] else None
+
+        return self.waiting(published, f"the models {names} in the topic")
+
     def open_problems(self, kind, name):
         """Opens the list by a click on the badge."""
         self.screen.click(self.waiting(lambda: self.badge(kind), "the badge", 30))

@@ -217,8 +217,7 @@ def test_a_second_robot_gets_a_name_and_a_namespace_of_its_own(window, file):
     window.screen.key("Return")
     window.screen.wait_until_closed("Spawn Model")
     window.screen.click(window.map.pixel(1.5, 1.5))
-    window.wait_for_models("turtlebot", "turtlebot_2")
-    models = window.ros.message("/flatland_server/models", "flatland_msgs/ModelList")["models"]
+    models = window.published_models("turtlebot", "turtlebot_2")
     assert [(model["name"], model["ns"]) for model in models] == [
         ("turtlebot", ""),
         ("turtlebot_2", "turtlebot_2"),
@@ -267,8 +266,7 @@ def test_a_copy_of_a_robot_without_a_namespace_has_one(window):
     window.screen.focus(window.id)
     window.screen.click(window.map.pixel(0.0, 0.0))
     window.screen.key("ctrl+d")
-    window.wait_for_models("turtlebot", "turtlebot_2")
-    models = window.ros.message("/flatland_server/models", "flatland_msgs/ModelList")["models"]
+    models = window.published_models("turtlebot", "turtlebot_2")
     assert [model["ns"] for model in models] == ["", "turtlebot_2"]
     topics = [
         {topic["name"] for p in model["plugins"] for topic in p["topics"]} for model in models
