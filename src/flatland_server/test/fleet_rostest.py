@@ -134,6 +134,7 @@ class StampsOfRealTime(RecordingCase):
 
     def test_a_pause_is_a_jump_of_stamps_alone(self):
         call("/pause", Empty)
+        wait_until(lambda: self.state().paused, "the pause")  # the topic follows the service
         before = self.state().stamp.to_sec()
         last = self.scan.messages[-1].header.stamp if self.scan.messages else rospy.Time(0)
         rospy.rostime.wallsleep(TOLERANCE + 1.0)  # the pause itself
