@@ -136,9 +136,8 @@ class RoomWindow:
         """The models of the server's topic, once it has these: it follows the services."""
 
         def published():
-            models = self.ros.message("/flatland_server/models", "flatland_msgs/ModelList")[
-                "models"
-            ]
+            message = self.ros.message("/flatland_server/models", "flatland_msgs/ModelList")
+            models = message["models"]
             return models if [each["name"] for each in models] == [*names] else None
 
         return self.waiting(published, f"the models {names} in the topic")

@@ -15,7 +15,7 @@ ROOM = ("-5 -3 5 -3", "5 -3 5 3", "5 3 -5 3", "-5 3 -5 -3")
 
 
 def two_crowds(town, files, keys: str) -> Any:
-    """Two people of two crowds, "people" and "others", who walk towards each other."""
+    """Two people of two crowds, "people" and "others", on the way towards each other."""
     town(TOWARDS_EACH_OTHER[0], keys=keys)
     second = f"{{type: Crowd, name: others, {keys}, pedestrians: [{{{TOWARDS_EACH_OTHER[1]}}}]}}"
     return files.load(f"{(files.folder / 'world.yaml').read_text()}\n  - {second}\n")

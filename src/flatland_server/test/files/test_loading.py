@@ -74,7 +74,7 @@ FAULTS = [
     ("layers: [map, walls]", "layers: [none]"),
     ("bodies:", "bodies: ["),
 ]
-"""What is replaced in a model, by what."""
+"""Texts of a model file, and the texts that replace them."""
 
 
 @pytest.mark.parametrize(("old", "new"), FAULTS)

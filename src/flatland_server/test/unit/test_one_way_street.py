@@ -112,7 +112,7 @@ def core_sources() -> List[Path]:
 
 
 def ros_free_sources() -> List[Path]:
-    """Those that need no ROS, and those of plugins."""
+    """The files of core and plugins that need no ROS."""
     plugins = [*sources("flatland_plugins"), *sources("flatland_example_plugins")]
     return [path for path in core_sources() if not is_ros_module(path)] + plugins
 

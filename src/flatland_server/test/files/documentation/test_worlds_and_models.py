@@ -48,7 +48,7 @@ def test_the_examples_of_maps_load(documented):
 
 
 def test_the_worlds_defaults(documented):
-    """Those of layers, bodies, footprints and joints are compared in test_random_files.py."""
+    """Defaults of layers, bodies, footprints and joints are in test_random_files.py."""
     documented.files.write(
         "world.yaml",
         "{properties: {}, layers: [], models: [{name: turtlebot, model: turtlebot.model.yaml}]}",

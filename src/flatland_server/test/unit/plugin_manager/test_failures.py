@@ -69,7 +69,7 @@ def test_a_failing_plugin_is_disabled_and_the_others_go_on(files, caplog, hook, 
     assert len(local(world)._callbacks["/command"]) == 2
     caplog.clear()
     world.plugins_of("other")["good"].node.claim_frame("odom", "robot/bad")
-    assert caplog.records == []  # nobody else places this frame any more
+    assert caplog.records == []  # no other plugin places this frame
 
 
 def test_a_failure_names_the_hook_whatever_its_function_is(files, monkeypatch):
