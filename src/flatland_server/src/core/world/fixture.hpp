@@ -24,6 +24,8 @@ struct BodyRecord;
 struct Fixture {
   Handle<BodyRecord> body;
   uint32_t index = 0;  ///< among the body's fixtures, or a layer's walls, in the order of creation
+
+  bool operator==(const Fixture& other) const { return body == other.body && index == other.index; }
 };
 
 struct FixtureSettings {
