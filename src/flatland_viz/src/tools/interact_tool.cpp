@@ -9,6 +9,7 @@
 #include <rviz/viewport_mouse_event.h>
 
 #include <QCursor>
+#include <QLineF>
 #include <cmath>
 
 #include "before_render.hpp"
@@ -25,9 +26,7 @@ constexpr double kMinTarget = 10;  // pixels around a small model's middle that 
 constexpr double kRingReach = 6;   // pixels on either side of a ring
 const ros::WallDuration kStatePeriod(0.2);
 
-double Distance(const QPointF& a, const QPointF& b) {
-  return std::hypot(a.x() - b.x(), a.y() - b.y());
-}
+double Distance(const QPointF& a, const QPointF& b) { return QLineF(a, b).length(); }
 
 }  // namespace
 
@@ -48,9 +47,7 @@ void InteractTool::onInitialize() {
   hovered_handle_ = std::make_unique<ModelHandle>(*scene_manager_);
   selected_handle_ = std::make_unique<ModelHandle>(*scene_manager_);
   before_render_ = std::make_unique<BeforeRender>(
-      *context_, [this](const Ogre::Viewport& viewport, double pixel_ratio) {
-        ShowHandles(viewport, pixel_ratio);
-      });
+      *context_, [this](const auto&... view) { ShowHandles(view...); });
   connect(models_.get(), &WorldModels::Selected, this, [this] {
     selected_->setValue(QString::fromStdString(models_->selected()));
     told_at_ = ros::WallTime();
@@ -72,17 +69,16 @@ void InteractTool::deactivate() {
 int InteractTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
   panel_ = event.panel;
   const auto world = WorldPlane::Find(*context_);
-  const auto point = world ? world->PointAt(event.viewport, event.x, event.y) : std::nullopt;
-  if (!point) {
+  const auto at = world ? world->PointAt(event.viewport, event.x, event.y) : std::nullopt;
+  if (!at) {
     PassOn(event);
     return 0;
   }
-  const QPointF at(point->x, point->y);
   if (drag_.is_active()) {
     if (event.leftUp()) {
       EndDrag();
     } else if (event.type == QEvent::MouseMove) {
-      ContinueDrag(at);
+      ContinueDrag(*at);
     }
     return Render;
   }
@@ -93,10 +89,10 @@ int InteractTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
   if (event.buttons_down == Qt::NoButton || !press_) {
     const double pixel =
         ScreenScale::At(world->PositionInScene({}, 0), *event.viewport).Metres(ratio);
-    const Hit hit = FindHit(at, pixel);
-    FollowHover(hit, at, pixel);
+    const Hit hit = FindHit(*at, pixel);
+    FollowHover(hit, *at, pixel);
     if (event.type == QEvent::MouseButtonPress) {
-      press_ = Press{event.acting_button, place, at, hit};
+      press_ = Press{event.acting_button, place, *at, hit};
       is_panning_ =
           hit.part == Part::kNone || event.control() || event.acting_button == Qt::MiddleButton;
     }
@@ -109,7 +105,7 @@ int InteractTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
   } else if (!is_panning_ && Distance(place, press_->pixel) > kClickReach * ratio) {
     if (press_->button == Qt::LeftButton) {
       BeginDrag();
-      ContinueDrag(at);
+      ContinueDrag(*at);
       return Render;
     }
     is_panning_ = true;  // the right button zooms wherever it is pressed
@@ -144,7 +140,7 @@ InteractTool::Hit InteractTool::FindHit(const QPointF& at, double pixel) const {
   for (const auto& [name, model] : models_->models()) {
     if (!model.is_placed()) continue;
     const bool is_near = Distance(at, model.middle_in_world()) <= kMinTarget * pixel;
-    if (!is_near && !model.Contains(at.x(), at.y())) continue;
+    if (!is_near && !model.Contains(at)) continue;
     const double radius = model.radius();
     if (hit.part == Part::kNone || radius < smallest) {
       hit = {Part::kBody, name};

@@ -13,11 +13,6 @@
 #include "model_drag.hpp"
 #include "model_handle.hpp"
 
-namespace rviz {
-class Property;
-class RenderPanel;
-}  // namespace rviz
-
 namespace flatland_viz {
 
 class BeforeRender;

@@ -2,17 +2,12 @@
 
 /// rviz's tool that measures distances on the floor.
 
-#include <geometry_msgs/Point.h>
 #include <rviz/tool.h>
 
+#include <QLineF>
 #include <memory>
 
 #include "world_plane.hpp"
-
-namespace Ogre {
-class SceneNode;
-class Viewport;
-}  // namespace Ogre
 
 namespace flatland_viz {
 
@@ -40,12 +35,11 @@ class MeasureTool : public rviz::Tool {
 
   void Show(const Ogre::Viewport& viewport, double pixel_ratio);
   void Tell();
-  double Length() const;
 
   Phase phase_ = Phase::kBefore;
-  geometry_msgs::Point begin_, end_;  // in the world [m]
-  Ogre::SceneNode* node_ = nullptr;   // belongs to the scene
-  std::unique_ptr<FlatShape> line_;
+  QLineF line_;                      // in the world [m]
+  Ogre::SceneNode* node_ = nullptr;  // belongs to the scene
+  std::unique_ptr<FlatShape> shape_;
   std::unique_ptr<NameLabel> label_;
   std::unique_ptr<BeforeRender> before_render_;
 };

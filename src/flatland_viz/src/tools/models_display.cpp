@@ -49,9 +49,7 @@ void ModelsDisplay::onInitialize() {
           [this](const flatland_msgs::ModelStates& states) { frames_->Add(states); });
   marks_ = std::make_unique<ModelMarks>(*scene_manager_, *scene_node_);
   before_render_ = std::make_unique<BeforeRender>(
-      *context_, [this](const Ogre::Viewport& viewport, double pixel_ratio) {
-        PlaceMarks(viewport, pixel_ratio);
-      });
+      *context_, [this](const auto&... view) { PlaceMarks(view...); });
   connect(models_.get(), &WorldModels::Listed, this, &ModelsDisplay::ListColors);
   connect(models_.get(), &WorldModels::Listed, this, [this] { bounds_->setValue(QRectF()); });
   ListColors();

@@ -2,20 +2,12 @@
 
 /// rviz's display of the models' names and headings.
 
+#include <OgrePrerequisites.h>
 #include <ros/time.h>
 #include <rviz/display.h>
 
 #include <QColor>
 #include <memory>
-
-namespace Ogre {
-class Viewport;
-}
-
-namespace rviz {
-class BoolProperty;
-class Property;
-}  // namespace rviz
 
 namespace flatland_viz {
 

@@ -149,10 +149,10 @@ void SpawnModelTool::Follow(const rviz::ViewportMouseEvent& event) {
   const auto point = world->PointAt(event.viewport, event.x, event.y);
   if (!point) return;
   if (phase_ == Phase::kTranslation) {
-    pose_.x = point->x;
-    pose_.y = point->y;
+    pose_.x = point->x();
+    pose_.y = point->y();
   } else {
-    const double dx = point->x - pose_.x, dy = point->y - pose_.y;
+    const double dx = point->x() - pose_.x, dy = point->y() - pose_.y;
     const double scale =
         ScreenScale::At(world->PositionInScene(pose_, 0), *event.viewport).pixels_per_metre;
     const double least = kMinDistance * event.panel->devicePixelRatioF() / scale;

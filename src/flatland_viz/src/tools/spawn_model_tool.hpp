@@ -14,10 +14,6 @@
 #include "spawn_dialog.hpp"
 #include "world_plane.hpp"
 
-namespace rviz {
-class Property;
-}
-
 namespace flatland_viz {
 
 class WorldModels;

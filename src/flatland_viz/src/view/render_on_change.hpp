@@ -9,10 +9,6 @@
 #include <QPointer>
 #include <cstdint>
 
-namespace Ogre {
-class RenderWindow;
-}
-
 namespace rviz {
 class RenderPanel;
 }

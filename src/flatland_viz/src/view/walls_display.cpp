@@ -1,11 +1,6 @@
 #include "walls_display.hpp"
 
-#include <OgreMaterialManager.h>
-#include <OgreSceneManager.h>
-#include <OgreSceneNode.h>
 #include <OgreViewport.h>
-#include <rviz/display_context.h>
-#include <rviz/frame_manager.h>
 #include <rviz/render_panel.h>
 #include <rviz/view_manager.h>
 
@@ -86,27 +81,9 @@ Ogre::ColourValue ColorOn(const Ogre::ColourValue& background, const Ogre::Colou
 
 }  // namespace
 
-struct WallsDisplay::Layer {
-  Layer(const std_msgs::ColorRGBA& color, Ogre::SceneNode* parent)
-      : color(color.r, color.g, color.b, color.a),
-        node(parent->createChildSceneNode()),
-        material(MakeLineMaterial(this->color)) {}
+struct WallsDisplay::Layer : LineGroup {
+  using LineGroup::LineGroup;
 
-  ~Layer() {
-    lines.clear();
-    node->getCreator()->destroySceneNode(node);
-    Ogre::MaterialManager::getSingleton().remove(material);
-  }
-
-  void Add(const float* points, std::size_t count, Ogre::RenderOperation::OperationType kind) {
-    lines.push_back(std::make_unique<WallLines>(points, count, material, kind));
-    node->attachObject(lines.back().get());
-  }
-
-  Ogre::ColourValue color;  // in the world's file
-  Ogre::SceneNode* node;
-  Ogre::MaterialPtr material;
-  std::vector<std::unique_ptr<WallLines>> lines;
   float width = kWidth;  // m
 };
 
@@ -151,16 +128,23 @@ void WallsDisplay::update(float, float) {
   }
   if (is_new) BeginShowing();
   if (showing_) ShowMore();
-  if (!layers_.empty()) Place();
+  if (layers_.empty()) return;
+  Place(frame_);
+  const rviz::RenderPanel& panel = *context_->getViewManager()->getRenderPanel();
+  const Ogre::ColourValue background = panel.getViewport()->getBackgroundColour();
+  for (const auto& layer : layers_) {
+    SetLineWidth(*layer->material, LineWidth(panel, layer->width));
+    SetLineColor(*layer->material, ColorOn(background, layer->color));
+  }
 }
 
 void WallsDisplay::BeginShowing() {
   layers_.clear();
   const flatland_msgs::Walls::ConstPtr& message = showing_->walls;
   next_layer_ = next_number_ = 0;
-  frame_ = QString::fromStdString(message->header.frame_id);
+  frame_ = message->header.frame_id;
   for (const flatland_msgs::LayerWalls& walls : message->layers) {
-    layers_.push_back(std::make_unique<Layer>(walls.color, getSceneNode()));
+    layers_.push_back(std::make_unique<Layer>(walls.color, *getSceneNode()));
     Layer& layer = *layers_.back();
     const std::vector<float>& fill = showing_->fills[layers_.size() - 1];
     if (!fill.empty()) layer.width = 0.0f;
@@ -194,30 +178,6 @@ void WallsDisplay::ShowMore() {
   }
   showing_.reset();
   progress_->setValue(100);
-}
-
-/// Moves the walls to the present pose of their frame, and sets their width in pixels and colour.
-void WallsDisplay::Place() {
-  Ogre::Vector3 position = Ogre::Vector3::ZERO;
-  Ogre::Quaternion orientation = Ogre::Quaternion::IDENTITY;
-  const bool is_known =
-      frame_ == fixed_frame_ || context_->getFrameManager()->getTransform(
-                                    frame_.toStdString(), ros::Time(), position, orientation);
-  if (is_known) {
-    setStatus(rviz::StatusProperty::Ok, "Transform", "OK");
-  } else {
-    setStatus(rviz::StatusProperty::Error, "Transform",
-              QString("no transform from %1 to %2").arg(frame_, fixed_frame_));
-  }
-  const rviz::RenderPanel& panel = *context_->getViewManager()->getRenderPanel();
-  const Ogre::ColourValue background = panel.getViewport()->getBackgroundColour();
-  getSceneNode()->setPosition(position);
-  getSceneNode()->setOrientation(orientation);
-  for (const auto& layer : layers_) {
-    layer->node->setVisible(is_known);
-    SetLineWidth(*layer->material, LineWidth(panel, layer->width));
-    SetLineColor(*layer->material, ColorOn(background, layer->color));
-  }
 }
 
 }  // namespace flatland_viz

@@ -42,7 +42,6 @@ class WallsDisplay : public TopicDisplay {
   void Receive(const flatland_msgs::Walls::ConstPtr& message);
   void BeginShowing();
   void ShowMore();
-  void Place();
 
   rviz::Property* progress_;  // percent of the walls that are shown
   rviz::Property* bounds_;    // of the walls [m]; null without walls
@@ -57,7 +56,7 @@ class WallsDisplay : public TopicDisplay {
   std::optional<Filled> showing_;   // until all of it is in layers_
   std::size_t next_layer_ = 0;      // of showing_
   std::size_t next_number_ = 0;     // of that layer's lines
-  QString frame_;                   // of the walls
+  std::string frame_;               // of the walls
   std::vector<std::unique_ptr<Layer>> layers_;
 };
 
