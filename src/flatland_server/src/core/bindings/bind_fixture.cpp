@@ -24,36 +24,17 @@ std::vector<PyFixture> FixturesOf(const PyBody& self) {
   return fixtures;
 }
 
-PyFixture AddCircle(PyBody& self, const FixtureSettings& settings, Vec2 center, double radius) {
-  return {self.world, self.world->AddCircle(self.handle, center, radius, settings)};
-}
-
-PyFixture AddPolygon(PyBody& self, const FixtureSettings& settings,
-                     const std::vector<Vec2>& vertices) {
-  return {self.world, self.world->AddPolygon(self.handle, vertices, settings)};
-}
-
-void CheckCircle(FixtureChecker& self, const FixtureSettings& settings, Vec2 center,
-                 double radius) {
-  self.AddCircle(center, radius, settings);
-}
-
-void CheckPolygon(FixtureChecker& self, const FixtureSettings& settings,
-                  const std::vector<Vec2>& vertices) {
-  self.AddPolygon(vertices, settings);
-}
-
-/// Defines a method with keyword arguments for the settings after those for the shape.
-template <class Result, class Self, class... Shape, class... Names>
-void DefineWithSettings(py::class_<Self>& cls, const char* name,
-                        Result (*function)(Self&, const FixtureSettings&, Shape...),
-                        const Names&... names) {
-  cls.def(
+/// Defines a method that adds a fixture: the settings are keyword arguments after those of the
+/// shape.
+template <class... Shape, class Add, class... Names>
+void DefineAdd(py::class_<PyBody>& body, const char* name, Add add, const Names&... names) {
+  body.def(
       name,
-      [function](Self& self, Shape... shape, double density, double friction, double restitution,
-                 bool sensor, bool collides, bool visible, LayerBits layers) {
-        return function(self, {density, friction, restitution, sensor, collides, visible, layers},
-                        shape...);
+      [add](PyBody& self, Shape... shape, double density, double friction, double restitution,
+            bool sensor, bool collides, bool visible, LayerBits layers) {
+        const FixtureSettings settings{density,  friction, restitution, sensor,
+                                       collides, visible,  layers};
+        return PyFixture{self.world, ((*self.world).*add)(self.handle, shape..., settings)};
       },
       names..., py::kw_only(), py::arg("density"), py::arg("friction") = 0.0,
       py::arg("restitution") = 0.0, py::arg("sensor") = false, py::arg("collides") = true,
@@ -68,8 +49,9 @@ auto GetSetting(const PyFixture& self) {
 }  // namespace
 
 void BindFixturesOf(py::class_<PyBody>& body) {
-  DefineWithSettings(body, "add_circle", &AddCircle, py::arg("center"), py::arg("radius"));
-  DefineWithSettings(body, "add_polygon", &AddPolygon, py::arg("vertices"));
+  DefineAdd<Vec2, double>(body, "add_circle", &World::AddCircle, py::arg("center"),
+                          py::arg("radius"));
+  DefineAdd<const std::vector<Vec2>&>(body, "add_polygon", &World::AddPolygon, py::arg("vertices"));
   body.def_property_readonly("fixtures", &FixturesOf);
   body.def("fixture", &FixtureOf, py::arg("index"));
   body.def_property_readonly("overlapping", [](const PyBody& self) {
@@ -120,14 +102,6 @@ void BindFixture(py::class_<PyFixture>& fixture) {
             RethrowFromListener(*self.world);
           },
           py::arg("vertices"), py::kw_only(), py::arg("layers") = py::none());
-}
-
-void BindFixtureChecker(py::module_& m) {
-  py::class_<FixtureChecker> checker(m, "FixtureChecker");
-  checker.def(py::init([](const std::string& type) { return FixtureChecker(ToBodyType(type)); }),
-              py::arg("body_type"));
-  DefineWithSettings(checker, "add_circle", &CheckCircle, py::arg("center"), py::arg("radius"));
-  DefineWithSettings(checker, "add_polygon", &CheckPolygon, py::arg("vertices"));
 }
 
 }  // namespace flatland

@@ -149,7 +149,6 @@ PYBIND11_MODULE(_core, m) {
   BindCrowd(m);
   BindBody(body);
   BindFixture(fixture);
-  BindFixtureChecker(m);
   BindBodyGroup(m);
   BindMessages(m);
   BindContacts(m);

@@ -183,7 +183,6 @@ void BindBodyGroup(py::module_& m);
 void BindMessages(py::module_& m);
 void BindFixture(py::class_<PyFixture>& fixture);
 void BindFixturesOf(py::class_<PyBody>& body);
-void BindFixtureChecker(py::module_& m);
 void BindFloorSquares(py::module_& m);
 void BindGoalObserver(py::module_& m);
 void BindContacts(py::module_& m);

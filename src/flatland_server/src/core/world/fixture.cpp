@@ -64,20 +64,4 @@ b2MassData MassSum::ToBox2D() const {
   return data;
 }
 
-void FixtureChecker::AddCircle(Vec2 center, double radius, const FixtureSettings& settings) {
-  Add(MakeCircle(center, radius), settings);
-}
-
-void FixtureChecker::AddPolygon(const std::vector<Vec2>& vertices,
-                                const FixtureSettings& settings) {
-  Add(MakePolygon(vertices), settings);
-}
-
-void FixtureChecker::Add(const b2Shape& shape, const FixtureSettings& settings) {
-  RequireMaterial(settings);
-  if (body_type_ != b2_dynamicBody) return;
-  const MassSum sum = mass_.With(ComputeMass(shape, settings));
-  if (settings.density != 0.0) mass_ = sum;
-}
-
 }  // namespace flatland
