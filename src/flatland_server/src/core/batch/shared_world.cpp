@@ -66,12 +66,8 @@ void SharedWorld::CollectRanges() {
     }
   });
   world_->mechanisms_.ForEachMap([this](auto& map) { AddRanges(map); });
-  world_->crowds_.ForEach([this](auto, Crowd& crowd) {
-    crowd.ForEachPart([this](auto& part) {
-      static_assert(std::is_trivially_copyable_v<std::decay_t<decltype(part)>>);
-      AddRange(part);
-    });
-  });
+  world_->crowds_.ForEach(
+      [this](auto, Crowd& crowd) { crowd.ForEachPart([this](auto& part) { AddParts(part); }); });
   JoinRanges();
 }
 
