@@ -56,7 +56,7 @@ Fastest AckermannDrive::GetFastest() const {
   const double fastest =
       std::max(std::abs(speed()), settings_.linear.Limited(std::abs(command_.speed)));
   const double angle = std::max(std::abs(steer_angle()), std::abs(command_.steer_angle));
-  return {fastest,
+  return {fastest * fastest,
           std::max(std::abs(slip_.yaw_rate), fastest * std::tan(angle) / settings_.wheelbase)};
 }
 
