@@ -1,21 +1,26 @@
-#include "measure_tool.hpp"
+/// rviz's tool that measures distances on the floor.
 
 #include <OgreSceneManager.h>
 #include <OgreSceneNode.h>
 #include <OgreViewport.h>
 #include <rviz/display_context.h>
 #include <rviz/render_panel.h>
+#include <rviz/tool.h>
 #include <rviz/view_controller.h>
 #include <rviz/view_manager.h>
 #include <rviz/viewport_mouse_event.h>
 
+#include <QLineF>
 #include <cmath>
+#include <memory>
+#include <pluginlib/class_list_macros.hpp>
 
 #include "before_render.hpp"
 #include "flat_shape.hpp"
 #include "name_label.hpp"
 #include "screen_scale.hpp"
 #include "world_models.hpp"
+#include "world_plane.hpp"
 
 namespace flatland_viz {
 namespace {
@@ -26,6 +31,35 @@ constexpr double kLineWidth = 3, kEndRadius = 4;  // pixels: of the line, and th
 const QColor kLineColor(0, 114, 178), kEdgeColor(255, 255, 255, 220);
 
 }  // namespace
+
+/// A line from where the left button is pressed to where it is released, or from one click to the
+/// next, with its length beside it. rviz's own tool measures between things, and does nothing on
+/// the floor. The last line stays until the tool is left, or another one begun.
+class MeasureTool : public rviz::Tool {
+ public:
+  MeasureTool();
+  ~MeasureTool() override;
+
+  void activate() override;
+  void deactivate() override;
+  int processMouseEvent(rviz::ViewportMouseEvent& event) override;
+
+ protected:
+  void onInitialize() override;
+
+ private:
+  enum class Phase { kBefore, kPressed, kFollowing, kDone };
+
+  void Show(const Ogre::Viewport& viewport, double pixel_ratio);
+  void Tell();
+
+  Phase phase_ = Phase::kBefore;
+  QLineF line_;                      // in the world [m]
+  Ogre::SceneNode* node_ = nullptr;  // belongs to the scene
+  std::unique_ptr<FlatShape> shape_;
+  std::unique_ptr<NameLabel> label_;
+  std::unique_ptr<BeforeRender> before_render_;
+};
 
 MeasureTool::MeasureTool() { shortcut_key_ = 'm'; }
 
@@ -135,3 +169,5 @@ void MeasureTool::Show(const Ogre::Viewport& viewport, double pixel_ratio) {
 }
 
 }  // namespace flatland_viz
+
+PLUGINLIB_EXPORT_CLASS(flatland_viz::MeasureTool, rviz::Tool)
