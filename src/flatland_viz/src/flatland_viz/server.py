@@ -67,10 +67,11 @@ class Server(QObject):
         self._subscribers = [
             rospy.Subscriber(f"{_SERVER}/{name}", kind, receive, queue_size=1)
             for name, kind, receive in (
-                ("debug/topics", DebugTopicList, self._on_topics),
-                ("models", ModelList, self._on_models),
+                # Models have come or gone, perhaps with their scans.
+                ("debug/topics", DebugTopicList, lambda _: self._poll_now.set()),
+                ("models", ModelList, lambda m: self._emit(self.models_changed, models_of(m))),
                 ("state", SimulationState, self._on_state),
-                ("loading", UInt8, self._on_loading),
+                ("loading", UInt8, lambda m: self._emit(self.loading_changed, m.data)),
             )
         ]
         threading.Thread(target=self._poll, name="topics", daemon=True).start()
@@ -117,15 +118,6 @@ class Server(QObject):
                 message.redo,
             ),
         )
-
-    def _on_loading(self, message: UInt8) -> None:
-        self._emit(self.loading_changed, message.data)
-
-    def _on_models(self, message: ModelList) -> None:
-        self._emit(self.models_changed, models_of(message))
-
-    def _on_topics(self, _: DebugTopicList) -> None:
-        self._poll_now.set()  # models have come or gone, perhaps with their scans
 
     def _poll(self) -> None:
         """Polls the master, which does not notify of new topics."""
