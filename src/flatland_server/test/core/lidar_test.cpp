@@ -1,4 +1,4 @@
-#include "sight/lidar.hpp"
+#include "sight/lidars.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>

@@ -1,6 +1,6 @@
 /// Ranges do not depend on what a lidar has seen last.
 
-#include "sight/seen_walls.hpp"
+#include "sight/depth_buffer.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "reference_walls.hpp"
-#include "sight/depth_buffer.hpp"
 #include "test_rounds.hpp"
 
 namespace flatland {
