@@ -11,7 +11,7 @@ from tf2_msgs.msg import TFMessage
 
 from flatland_server.ros import other_localisers
 from flatland_server.ros.other_localisers import OtherLocalisers
-from flatland_server.ros.other_publishers import OtherPublishers
+from flatland_server.ros.other_nodes import OtherPublishers
 
 BESIDE_AMCL = [["/tf", ["/server", "/amcl"]], ["/scan", ["/server"]]]
 

@@ -15,7 +15,7 @@ from flatland_server.hub.assembly import open_hub
 from flatland_server.hub.client_files import ClientFiles
 from flatland_server.hub.recent_log import RecentLog
 from flatland_server.hub.server_config import ServerConfig
-from flatland_server.ros import open_files, other_publishers, rospy_patches
+from flatland_server.ros import open_files, other_nodes, rospy_patches
 from flatland_server.ros.clock import warn_of_other_times
 from flatland_server.ros.launch_arguments import check_launch_arguments, parent_command_line
 from flatland_server.ros.log_handler import LoadingPublisher, RosLogHandler, tolerate_write_errors
@@ -102,7 +102,7 @@ def _run(ros_config: RosConfig, simulate: Simulate, log: RecentLog) -> None:
             warn_of_other_times()  # of two nodes that start together, the second sees the first
     else:
         rospy.logwarn("the simulation starts before the ROS master knows all of its topics")
-    other_publishers.watch(transport.publisher_counts, localisers)
+    other_nodes.watch(transport.publisher_counts, localisers)
     rospy.loginfo(
         "%s: %s, %s; running",
         config.world_path,

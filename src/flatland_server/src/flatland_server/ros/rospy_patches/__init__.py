@@ -11,7 +11,7 @@ import logging
 from dataclasses import replace
 from typing import Dict, List
 
-from flatland_server.ros.rospy_patches.public_rospy import RospyCalls
+from flatland_server.ros.rospy_patches.rospy_calls import RospyCalls
 from flatland_server.ros.rospy_patches.rospy_checks import UnknownRospyError
 
 __all__ = ["PATCHES", "RospyCalls", "install"]
