@@ -5,7 +5,7 @@ from typing import Any, Optional, Sequence, Tuple
 from flatland_server.config.ros_names import tf_topics
 from flatland_server.geometry import Transform
 from flatland_server.messages.message_types import deserialized, get
-from flatland_server.transport.transforms import SerializedFrames, TransformQueue
+from flatland_server.transport.serialized_transforms import SerializedFrames, TransformQueue
 from flatland_server.transport.transport import (
     Frames,
     MessageWriter,
