@@ -28,9 +28,8 @@ from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.plugins.plugin_rng import plugin_rng
 from flatland_server.plugins.schedule import NO_CALLS, Schedule, Work
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.transport.frame_registry import FrameRegistry
+from flatland_server.transport.claims import FrameRegistry, TopicRegistry
 from flatland_server.transport.node import Node
-from flatland_server.transport.topic_registry import TopicRegistry
 from flatland_server.transport.transport import Transport
 
 logger = logging.getLogger(__name__)

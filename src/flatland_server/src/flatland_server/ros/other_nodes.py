@@ -18,7 +18,7 @@ from tf2_msgs.msg import TFMessage
 
 from flatland_server.config.ros_names import tf_topics
 from flatland_server.ros.rospy_patches.master_calls import NO_ANSWER, Master
-from flatland_server.transport.frame_registry import OdometryFrame
+from flatland_server.transport.claims import OdometryFrame
 
 logger = logging.getLogger(__name__)
 
