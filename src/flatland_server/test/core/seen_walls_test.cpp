@@ -1,7 +1,5 @@
 /// Ranges do not depend on what a lidar has seen last.
 
-#include "sight/depth_buffer.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "reference_walls.hpp"
+#include "sight/depth_buffer.hpp"
 #include "test_rounds.hpp"
 
 namespace flatland {

@@ -29,8 +29,8 @@ struct BoundingCircles {
 };
 
 /// The walls that a lidar has seen in its last scan: the next one draws them first, and so has to
-/// look at few others. Ranges do not depend on it: it may be empty, old, or of other walls. So it is
-/// no part of a saved state.
+/// look at few others. Ranges do not depend on it: it may be empty, old, or of other walls. So it
+/// is no part of a saved state.
 struct SeenWalls {
   static constexpr int kMost = 250;
 
