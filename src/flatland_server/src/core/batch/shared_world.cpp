@@ -141,10 +141,8 @@ void SharedWorld::Set(SharedState& state, const double* values) {
     for (const BodyRecord* const record : weighed_) {
       MassSum sum;
       for (const BodyRecord::FixtureRecord& each : record->fixtures) {
-        FixtureSettings settings;
-        settings.density = each.fixture->GetDensity();
-        if (settings.density != 0.0)
-          sum = sum.With(ComputeMass(*each.fixture->GetShape(), settings));
+        const float density = each.fixture->GetDensity();
+        if (density != 0.0f) sum = sum.With(ComputeMass(*each.fixture->GetShape(), density));
       }
       masses.push_back(sum.ToBox2D());
     }

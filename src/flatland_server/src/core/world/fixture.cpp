@@ -34,9 +34,9 @@ void RequireMaterial(const FixtureSettings& settings) {
   RequireNotNegative(settings.restitution, "restitution must be finite and not negative");
 }
 
-b2MassData ComputeMass(const b2Shape& shape, const FixtureSettings& settings) {
+b2MassData ComputeMass(const b2Shape& shape, double density) {
   b2MassData mass;
-  shape.ComputeMass(&mass, static_cast<float>(settings.density));
+  shape.ComputeMass(&mass, static_cast<float>(density));
   return mass;
 }
 

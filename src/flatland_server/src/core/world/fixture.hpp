@@ -48,7 +48,7 @@ b2PolygonShape MakePolygon(const std::vector<Vec2>& vertices);
 void RequireMaterial(const FixtureSettings& settings);
 
 /// Mass properties of a fixture, for MassSum.
-b2MassData ComputeMass(const b2Shape& shape, const FixtureSettings& settings);
+b2MassData ComputeMass(const b2Shape& shape, double density);
 
 /// Throws std::invalid_argument with the message unless a body of this mass has a positive moment
 /// of inertia about its centre of mass, which Box2D asserts: rounding may leave none.
