@@ -3,6 +3,7 @@
 #include <geometry_msgs/TransformStamped.h>
 #include <ros/node_handle.h>
 #include <tf2/exceptions.h>
+#include <tf2/utils.h>
 #include <tf2_ros/buffer.h>
 
 #include <algorithm>
@@ -29,9 +30,8 @@ geometry_msgs::Pose2D Inverse(const geometry_msgs::Pose2D& pose) {
 }
 
 geometry_msgs::Pose2D Flat(const geometry_msgs::Transform& transform) {
-  const geometry_msgs::Quaternion& q = transform.rotation;
   return MakePose(transform.translation.x, transform.translation.y,
-                  std::atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z)));
+                  tf2::getYaw(transform.rotation));
 }
 
 }  // namespace
