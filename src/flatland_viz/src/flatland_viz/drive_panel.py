@@ -2,7 +2,7 @@
 
 from typing import Any, Dict, List, Optional, Set, Tuple
 
-from python_qt_binding.QtCore import QEvent, QLocale, QObject, Qt
+from python_qt_binding.QtCore import QEvent, QLocale, QObject, QSignalBlocker, Qt
 from python_qt_binding.QtGui import QValidator
 from python_qt_binding.QtWidgets import (
     QAbstractItemView,
@@ -147,11 +147,10 @@ class DrivePanel(QDockWidget):
         self._robots = {name: model for name, model in models.items() if model.command_topic}
         if before not in self._robots:
             self.stop()  # keys held now must not drive the next robot
-        self._choice.blockSignals(True)
-        self._choice.clear()
-        self._choice.addItems(self._robots)
-        self._choice.setCurrentIndex(max(0, self._choice.findText(before)))
-        self._choice.blockSignals(False)
+        with QSignalBlocker(self._choice):
+            self._choice.clear()
+            self._choice.addItems(self._robots)
+            self._choice.setCurrentIndex(max(0, self._choice.findText(before)))
         self.widget().setEnabled(bool(self._robots))
         self._open()
 
