@@ -121,16 +121,11 @@ class ModelServices:
 
     def _add_all(self, entries: List[ModelEntry]) -> str:
         """Adds models: all, or none; returns their warnings, or an empty string."""
-        before = set(self._world.models)
         warnings = []
-        try:
-            with self._edits.edit([entry.name for entry in entries]):
-                for index, entry in enumerate(entries):
-                    with _naming_entry("models", index, entry.name):
-                        warnings.append(self._add(entry))
-        except BaseException:
-            self._edits.discard([name for name in self._world.models if name not in before])
-            raise
+        with self._edits.edit([entry.name for entry in entries]):
+            for index, entry in enumerate(entries):
+                with _naming_entry("models", index, entry.name):
+                    warnings.append(self._add(entry))
         return "; ".join(filter(None, warnings))
 
     def _delete_model(self, request: Any) -> None:
