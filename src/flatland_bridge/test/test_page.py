@@ -127,7 +127,7 @@ def test_an_infinite_rate_is_shown(world, tab):
 def test_a_copy_is_saved_of_a_world_that_is_not_the_users(world, tab, tmp_path, monkeypatch):
     with running(world, state_folder=tmp_path, is_paused=True) as server:
         shipped = {"office": world}
-        monkeypatch.setattr("flatland_bridge.simulated_graph.shipped_worlds", lambda: shipped)
+        monkeypatch.setattr("flatland_server.config.worlds.shipped_worlds", lambda: shipped)
         tab.open(server)
         Client(server).call("/move_model", name="robot", pose={"x": 1.0})
         tab.press("Ctrl+s")
