@@ -61,9 +61,22 @@ class Nursery(WorldPlugin):
         return None
 
 
+class Heir(WorldPlugin):
+    """Fails at once, and then deletes the last model."""
+
+    def on_initialize(self, config):
+        pass
+
+    def after_physics_step(self, timekeeper):
+        raise ValueError("too early")
+
+    def on_shutdown(self):
+        self.world.delete_model(list(self.world.models)[-1])
+
+
 @pytest.fixture(scope="module")
 def loader() -> PluginLoader:
-    return PluginLoader(map(PluginDeclaration.of, (Counter, Forgetful, Nursery)))
+    return PluginLoader(map(PluginDeclaration.of, (Counter, Forgetful, Nursery, Heir)))
 
 
 WORLD = f"""{EMPTY}
@@ -116,6 +129,17 @@ def test_a_plugin_that_has_failed_stays_switched_off(load):
     assert second.save_state() == state
     second.run(0.5)
     assert plugins(second)[0].count == 0
+
+
+def test_what_a_failed_plugin_did_at_its_end_is_not_repeated(models, simulate):
+    models.write("counts.yaml", (models.folder / "plain.yaml").read_text())
+    first, second = (simulate(models.load(WORLD.replace("Nursery", "Heir"))) for _ in range(2))
+    state = first.run(0.02).save_state()
+
+    second.load_state(state)
+
+    assert list(second.world.models) == ["a"]
+    assert second.save_state() == state
 
 
 def test_models_and_walls_are_those_of_the_state(models, load):
