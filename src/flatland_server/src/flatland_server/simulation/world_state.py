@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Union
 
+import numpy as np
+
 from flatland_server import plain_data
 from flatland_server.config.input_files import MAX_STATE, read_input, replacing, require_free
 from flatland_server.exceptions import StateError
@@ -120,6 +122,11 @@ class WorldState:
             poses = [*(each.pose for each in state.models), *state.layout.values()]
             if state.nanoseconds < 0 or any(len(pose) != 3 for pose in poses):
                 raise ValueError("expected a time of 0 or more, and poses of three numbers")
+            walls = [each.segments for each in state.walls]
+            if state.own_walls is not None:
+                walls.append(state.own_walls)
+            if not all(isinstance(each, np.ndarray) and each.dtype.kind in "fiu" for each in walls):
+                raise ValueError("expected walls as arrays of numbers")
         except ValueError as error:
             raise StateError(f"the state is damaged: {error}") from None
         return state
