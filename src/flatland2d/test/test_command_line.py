@@ -248,21 +248,6 @@ def test_ctrl_c_ends_a_run_with_what_was_done(folder, arguments, number, code):
     assert b"Traceback" not in error
 
 
-def test_ctrl_c_during_imports_is_quiet(tmp_path):
-    importing = "import os, time; os.kill(os.getpid(), 2); time.sleep(60)"
-    (tmp_path / "flatland2d.py").write_text(importing)
-    node = Path(__file__).parents[1] / "nodes" / "flatland"
-
-    process = subprocess.run(
-        [sys.executable, node],
-        stderr=subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": str(tmp_path)},
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )
-
-    assert (process.returncode, process.stderr) == (130, b"")
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("arguments", ["worlds", "run world.yaml --seconds 0.1", "--version"])
 @pytest.mark.parametrize(

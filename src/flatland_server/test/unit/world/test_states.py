@@ -193,7 +193,7 @@ def damaged(state, change):
         (lambda c: c["plugins"][0].update(type="X"), '"a/counter" is a X in the state, here a Co'),
         (lambda c: c["plugins"][0].update(state=1), 'plugin "a/counter": set_state: TypeError'),
         (lambda c: c.update(physics=c["physics"][:-1]), "the state is damaged"),
-        (lambda c: c["walls"].append(dict(order=1, layer=0, segments="x")), "expected walls as arr"),
+        (lambda c: c["walls"].append({"order": 1, "layer": 0, "segments": 1}), "expected walls as"),
         (lambda c: c.update(own_walls=np.array([[1j] * 4])), "damaged: expected walls as arrays"),
         (lambda c: c["wall_counts"].update(map=3), 'the layer "map" has 3 walls there, no here'),
     ],
