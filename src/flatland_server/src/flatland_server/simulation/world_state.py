@@ -17,6 +17,8 @@ from flatland_server.simulation.plugin_state import PluginState
 
 _FORMAT = 1
 _FORMAT_KEY = "flatland_state"
+_LATEST = 10**18
+"""The greatest time of a state [ns]: ROS has stamps of up to four times as many seconds."""
 _BEGINNING = f'{{"{_FORMAT_KEY}":'.encode()
 """The first bytes of each state."""
 
@@ -120,8 +122,8 @@ class WorldState:
                 ]
             state = plain_data.made(cls, content, "state")
             poses = [*(each.pose for each in state.models), *state.layout.values()]
-            if state.nanoseconds < 0 or any(len(pose) != 3 for pose in poses):
-                raise ValueError("expected a time of 0 or more, and poses of three numbers")
+            if not 0 <= state.nanoseconds <= _LATEST or any(len(pose) != 3 for pose in poses):
+                raise ValueError("expected a time of 0 to 1e9 s, and poses of three numbers")
             walls = [each.segments for each in state.walls]
             if state.own_walls is not None:
                 walls.append(state.own_walls)

@@ -195,6 +195,7 @@ def damaged(state, change):
         (lambda c: c.update(physics=c["physics"][:-1]), "the state is damaged"),
         (lambda c: c["walls"].append({"order": 1, "layer": 0, "segments": 1}), "expected walls as"),
         (lambda c: c.update(own_walls=np.array([[1j] * 4])), "damaged: expected walls as arrays"),
+        (lambda c: c.update(nanoseconds=2**62), "damaged: expected a time of 0 to 1e9 s"),
         (lambda c: c["wall_counts"].update(map=3), 'the layer "map" has 3 walls there, no here'),
     ],
 )
