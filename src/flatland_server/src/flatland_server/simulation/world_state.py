@@ -71,7 +71,8 @@ class WorldState:
 
     world: str
     """The path of its file, for messages."""
-    seed: int
+    seed: Any
+    """A whole number of 0 or more, of any size."""
     nanoseconds: int
     """Simulated time."""
     wall_counts: Dict[str, int]
@@ -121,6 +122,8 @@ class WorldState:
                     for index, each in enumerate(content[name])
                 ]
             state = plain_data.made(cls, content, "state")
+            if type(state.seed) is not int or state.seed < 0:
+                raise ValueError(f"state.seed: expected another value, found {state.seed!r:.60}")
             poses = [*(each.pose for each in state.models), *state.layout.values()]
             if not 0 <= state.nanoseconds <= _LATEST or any(len(pose) != 3 for pose in poses):
                 raise ValueError("expected a time of 0 to 1e9 s, and poses of three numbers")

@@ -188,6 +188,7 @@ def damaged(state, change):
         (lambda c: c.pop("flatland_state"), "expected the state of a world, found something else"),
         (lambda c: c.pop("seed"), "the state is damaged: .*seed"),
         (lambda c: c.update(seed="x"), r"state\.seed: expected another value, found 'x'"),
+        (lambda c: c.update(seed=-1), r"state\.seed: expected another value, found -1"),
         (lambda c: c["models"].pop(), "another world: the number of bodies: expected 4, found 6"),
         (lambda c: c["plugins"].pop(), "expected the plugins a/counter, a/forgets, nursery; found"),
         (lambda c: c["plugins"][0].update(type="X"), '"a/counter" is a X in the state, here a Co'),
