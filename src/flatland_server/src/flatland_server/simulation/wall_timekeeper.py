@@ -3,7 +3,7 @@
 import time
 from typing import Callable
 
-from flatland_server.messages.stamps import set_stamp_offset, stamp_offset
+from flatland_server.messages.conversions import set_stamp_offset, stamp_offset
 from flatland_server.simulation.pacer import Pacer
 from flatland_server.timekeeper import Timekeeper
 
