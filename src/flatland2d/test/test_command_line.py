@@ -229,6 +229,7 @@ def test_a_plugin_that_fails_is_reported_in_the_end(folder, capsys, monkeypatch)
         ([], signal.SIGINT, 0),
         (["--seconds", "1e6"], signal.SIGINT, 130),
         (["--rate", "1"], signal.SIGTERM, 0),
+        (["--rate", "1"], signal.SIGHUP, 0),
     ],
 )
 def test_ctrl_c_ends_a_run_with_what_was_done(folder, arguments, number, code):

@@ -39,7 +39,7 @@ MOST_OTHERS = 1000
 def running(world, **options):
     """A server that simulates in a thread; ends with the context."""
     goes_on = threading.Event()
-    server = Server(world, rosbridge_port=0, foxglove_port=0, **options)
+    server = Server(world, **{"rosbridge_port": 0, "foxglove_port": 0, **options})
     with server:
         thread = threading.Thread(target=server.run, args=(lambda: not goes_on.is_set(),))
         thread.start()

@@ -11,6 +11,7 @@ from browser_tab import CHROMIUM, ORANGE, RED, Tab, chromium
 from PIL import Image
 from waiting import wait_until
 
+from flatland_bridge.server import ROSBRIDGE
 from flatland_bridge.websocket_server import PAGE
 
 WINDOW_PAGE = Path(__file__).resolve().parents[3] / "docs" / "window.md"
@@ -127,7 +128,7 @@ def test_an_infinite_rate_is_shown(world, tab):
 def test_a_copy_is_saved_of_a_world_that_is_not_the_users(world, tab, tmp_path, monkeypatch):
     with running(world, state_folder=tmp_path, is_paused=True) as server:
         shipped = {"office": world}
-        monkeypatch.setattr("flatland_bridge.simulated_graph.shipped_worlds", lambda: shipped)
+        monkeypatch.setattr("flatland_server.config.worlds.shipped_worlds", lambda: shipped)
         tab.open(server)
         Client(server).call("/move_model", name="robot", pose={"x": 1.0})
         tab.press("Ctrl+s")
@@ -171,6 +172,28 @@ def test_the_page_seeks_shows_old_scans_and_resumes_from_there(world, tab):
         tab.press(" ")
         wait_until(lambda: not server.manager.is_paused, "the run to go on")
         assert server.manager.timekeeper.seconds < end
+
+
+def test_time_is_sought_after_a_loss_of_the_connection(world, tab):
+    def seek_begin():
+        tab.value("slider.value = slider.min; slider.dispatchEvent(new Event('input'))")
+
+    def has_past():
+        return float(tab.of("slider", "max")) > 0.2 and not tab.of("timeline", "hidden")
+
+    with running(world, with_history=True) as server:
+        tab.open(server)
+        wait_until(has_past, "a history")
+        port = int(server.clients.url(ROSBRIDGE, "http").strip("/").rpartition(":")[2])
+    wait_until(lambda: "Not connected" in tab.text("banner"), "the end of the connection")
+    seek_begin()
+    with running(world, with_history=True, rosbridge_port=port):
+        wait_for_status(tab, "connected")
+        wait_until(has_past, "a history")
+
+        seek_begin()
+
+        wait_until(lambda: "in the past" in tab.text("banner"), "the past")
 
 
 def test_the_trail_shows_the_poses_of_the_odometry(world, tab):

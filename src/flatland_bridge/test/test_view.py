@@ -14,6 +14,7 @@ from waiting import wait_until
 from websockets.exceptions import InvalidStatus
 
 from flatland2d.cli import main
+from flatland_server.config import find_world
 
 pytestmark = pytest.mark.slow
 
@@ -98,8 +99,10 @@ def test_moved_models_are_saved_in_the_users_world(world, tmp_path):
     assert "pose: [1.5, 0.0, 0.0]" in world.read_text()
 
 
-def test_a_shipped_world_is_saved_as_a_copy_in_the_cwd(tmp_path):
-    with view("office", tmp_path) as (_, page):
+@pytest.mark.parametrize("by_path", [False, True])
+def test_a_shipped_world_is_saved_as_a_copy_in_the_cwd(tmp_path, by_path):
+    world = os.path.relpath(find_world("office"), tmp_path) if by_path else "office"
+    with view(world, tmp_path) as (_, page):
         client = client_of(page)
         client.call("/move_model", name="turtlebot", pose={"x": 1.5})
         refused = [

@@ -274,6 +274,8 @@ def test_a_file_that_is_no_sound_policy_is_refused(tmp_path, spoil, message):
     with pytest.raises(FlatlandError, match=message) as error:
         Policy.load(path)
     assert "a.npz" in str(error.value)
+    with pytest.raises(FlatlandError, match="expected the path of a policy, found 5"):
+        Policy.load(5)
 
 
 def test_the_policy_of_the_package_is_known_by_name():

@@ -17,9 +17,9 @@ from typing import Dict, Iterator, Optional, Type, Union
 from flatland2d.bag_format import BagFormat
 from flatland2d.mcap_format import McapFormat
 from flatland2d.recording_format import Channel, Damaged, Format, Recorded
-from flatland_server.arguments import shown
+from flatland_server.arguments import path_of
 from flatland_server.config import open_regular, require_free
-from flatland_server.exceptions import RecordingError, UsageError, listed
+from flatland_server.exceptions import RecordingError, listed
 
 CHUNK_SIZE = 1 << 20
 """The size at which a chunk is written [bytes]."""
@@ -58,9 +58,7 @@ class RecordingFile:
         unfinished: str = UNFINISHED,
         encoding: str = "ros1",
     ) -> None:
-        if not isinstance(path, (str, os.PathLike)):
-            raise UsageError(f"expected the path of a recording, found {shown(path)}")
-        self.path = Path(path)
+        self.path = path_of(path, "the path of a recording")
         kind = _FORMATS.get(self.path.suffix.lower())
         if kind is None or encoding not in kind.encodings:
             endings = [name for name, each in _FORMATS.items() if encoding in each.encodings]

@@ -1,7 +1,6 @@
 """Worlds in a Python program, without ROS: `with Simulation("office") as sim: sim.step()`."""
 
 import os
-from pathlib import Path
 from typing import (
     TYPE_CHECKING,
     Any,
@@ -22,7 +21,7 @@ from flatland2d.simulated_topics import SimulatedTopics
 from flatland2d.touch import Touch, touches
 from flatland2d.world_source import WorldSource, open_world
 from flatland_server import _core
-from flatland_server.arguments import folders_of, params_of, several, shown, whole_number
+from flatland_server.arguments import folders_of, params_of, path_of, several, shown, whole_number
 from flatland_server.arrays import FloatArray, PoseLike, UInt8Array
 from flatland_server.canvas import Points
 from flatland_server.exceptions import ModelError, UsageError, listed, shortened, suggestion
@@ -157,9 +156,11 @@ class Simulation(SimulatedTopics):
             FlatlandError: the file, the name, the namespace or the pose is not usable.
         """
         self.require_open()
-        source = model if isinstance(model, (str, Mapping)) else Path(model)
-        if not isinstance(name, str):
-            raise UsageError(f"expected the model's name as a string, found {shown(name)}")
+        what = "a model's file, or its content as a dict"
+        source = model if isinstance(model, (str, Mapping)) else path_of(model, what)
+        for text, what in ((name, "the model's name"), (namespace, "the model's namespace")):
+            if not isinstance(text, str):
+                raise UsageError(f"expected {what} as a string, found {shown(text)}")
         self.world.spawn_model(source, name, namespace, pose)
         return self.models[name]
 
@@ -338,7 +339,7 @@ class Simulation(SimulatedTopics):
 
         renderer = self._get_renderer()
         view = renderer.view(size, follow=follow, width=width)
-        save(Path(path), renderer, view, sensors=sensors, names=names, trails=trails)
+        save(path, renderer, view, sensors=sensors, names=names, trails=trails)
 
     def plot(
         self,

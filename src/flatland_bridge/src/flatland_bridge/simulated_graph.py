@@ -12,7 +12,6 @@ from flatland_bridge.sample import Sample, size_of
 from flatland_bridge.shared_transport import SharedTransport
 from flatland_bridge.simulation_interfaces import SimulationInterfaces
 from flatland_server.config import shipped_worlds
-from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Transform
 from flatland_server.hub import ClientFiles, open_hub
 from flatland_server.messages import ServiceType, get, stamp_offset
@@ -236,6 +235,4 @@ class _WorldsByName(ClientFiles):
         return worlds.get(name) or super().world_file(name)
 
     def written_world(self, name: str) -> Path:
-        if not name and self._world.config.path in shipped_worlds().values():
-            raise FlatlandError("the world is one of Flatland's own; save a copy of it")
         return super().written_world(str(self._folder / name) if name else name)

@@ -16,6 +16,7 @@ from flatland2d import FlatlandError, UsageError
 from flatland_gym.observations import NEIGHBOR, neighbor_rows
 from flatland_server import Float32Array, FloatArray, PoseLike
 from flatland_server._core import GoalObserver
+from flatland_server.arguments import path_of
 from flatland_server.arrays import npy_array
 from flatland_server.config import MIB, read_input
 
@@ -136,7 +137,8 @@ class Policy:
         """
         if str(path) in _SHIPPED:
             path = _POLICIES / f"{path}.npz"
-        content = _arrays(read_input(Path(path), _LARGEST, _refusal), Path(path))
+        found = path_of(path, "the path of a policy")
+        content = _arrays(read_input(found, _LARGEST, _refusal), found)
         try:
             if str(content["format"]) != _FORMAT:
                 raise ValueError(f'the format is "{content["format"]}"')

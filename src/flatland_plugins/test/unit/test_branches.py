@@ -269,7 +269,7 @@ def test_a_foreign_or_broken_state_is_refused_without_effect(world_of):
         for wrong, error, message in [
             (b"", StateError, "expected the state of a world, found something else"),
             (damaged(state, physics=broken), StateError, "the state is damaged"),
-            (damaged(state, seed=-1), StateError, "expected a state with a seed of 0 to 2"),
+            (damaged(state, seed=2**63), StateError, "expected a state with a seed of 0 to 2"),
             (damaged(state, nanoseconds=1), StateError, "after whole steps of 0.005 s, found one"),
             (of_another, StateError, "another world"),
             ([state], UsageError, "expected 3 states, found 1"),

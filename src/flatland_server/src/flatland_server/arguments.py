@@ -54,13 +54,26 @@ def several(values: Iterable[T], what: str) -> List[T]:
     return list(values)
 
 
+def path_of(value: Any, what: str) -> Path:
+    """A path that a program has passed.
+
+    Raises:
+        UsageError: it is none.
+    """
+    try:
+        return Path(value)
+    except TypeError:
+        raise UsageError(f"expected {what}, found {shown(value)}") from None
+
+
 def folders_of(folders: Iterable[Union[str, "os.PathLike[str]"]]) -> List[Path]:
     """The argument `model_folders`.
 
     Raises:
-        UsageError: it is not a list.
+        UsageError: it is not a list of paths.
     """
-    return [Path(folder) for folder in several(folders, "model_folders")]
+    what = "model_folders as paths"
+    return [path_of(folder, what) for folder in several(folders, "model_folders")]
 
 
 def finite(values: Sequence[Any], what: str) -> None:

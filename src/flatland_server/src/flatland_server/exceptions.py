@@ -188,9 +188,9 @@ class UnknownArgumentError(UsageError, TypeError):
     """An argument has an unknown name."""
 
 
-def shortened(found: str, longest: int = 80) -> str:
-    """Text found in a file as one line of at most `longest` characters, for a message."""
-    line = " ".join(found.split())
+def shortened(found: object, longest: int = 80) -> str:
+    """What was found, mostly text, as one line of at most `longest` characters, for a message."""
+    line = " ".join(str(found).split())
     return line if len(line) <= longest else f"{line[: longest - 3]}..."
 
 
@@ -206,7 +206,7 @@ def counted(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
-def suggestion(word: str, known: Iterable[str]) -> str:
+def suggestion(word: object, known: Iterable[str]) -> str:
     """A hint for a misspelt word, such as ` (did you mean "range"?)`; else the empty string.
 
     Args:
@@ -217,14 +217,14 @@ def suggestion(word: str, known: Iterable[str]) -> str:
     return "" if near is None else f' (did you mean "{near}"?)'
 
 
-def nearest(word: str, known: Iterable[str]) -> Optional[str]:
+def nearest(word: object, known: Iterable[str]) -> Optional[str]:
     """The word that a misspelt one may stand for, whatever its case; None without one.
 
     Args:
         word: as for `suggestion`.
         known: as for `suggestion`.
     """
-    if len(word) > _LONGEST_WORD:
+    if not isinstance(word, str) or len(word) > _LONGEST_WORD:  # a program may pass anything
         return None
     import difflib  # takes a millisecond
 

@@ -7,6 +7,7 @@ import pytest
 from rosgraph.roslogging import RosStreamHandler
 
 from flatland_server.ros.log_handler import tolerate_write_errors
+from flatland_server.ros.node import open_closed_streams
 
 FULL = "/dev/full"
 
@@ -50,6 +51,16 @@ def test_a_terminal_that_is_gone_does_not_raise(logger, capsys):
         logger.warning("a message")
 
     assert capsys.readouterr().err.count("log messages are lost") == 1
+
+
+def test_a_closed_terminal_does_not_raise(logger, monkeypatch):
+    for name in ("stdout", "stderr"):
+        monkeypatch.setattr(sys, name, None)
+    open_closed_streams()
+    logger.addHandler(RosStreamHandler())
+
+    logger.info("a message")
+    logger.warning("a message")
 
 
 def test_other_errors_are_shown_as_before(logger, capsys):

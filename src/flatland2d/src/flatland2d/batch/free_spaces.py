@@ -1,6 +1,5 @@
 """The free space for the initial poses of a batch's robots."""
 
-import sys
 from typing import Any, Dict, Sequence
 
 import numpy as np
@@ -9,6 +8,7 @@ from flatland2d.free_space import DistanceGrid, FreeSpace, discs_of
 from flatland2d.robot import Robot
 from flatland_server.arguments import shown
 from flatland_server.arrays import FloatArray
+from flatland_server.config import LARGEST
 from flatland_server.exceptions import UsageError
 from flatland_server.simulation import World
 
@@ -33,7 +33,7 @@ class FreeSpaces:
             UsageError: the clearance is not usable, or leaves no place.
         """
         is_number = isinstance(clearance, (int, float, np.number))
-        if not (is_number and 0.0 < clearance <= sys.float_info.max):
+        if not (is_number and 0.0 < clearance <= LARGEST):
             raise UsageError(f"expected a clearance above zero, found {shown(clearance)}")
         if clearance not in self._spaces:
             self._spaces[clearance] = self._compute(clearance)

@@ -596,8 +596,8 @@ class SimulationBatch:
         seeds, steps = self._seeds.copy(), self._steps.copy()
         numbers = np.zeros(self._num_envs, np.int64)
         numbers[indices] = [number[each] for each in given]
-        seeds[indices] = [saved[each].seed for each in given]
         steps[indices] = [steps_of(saved[each], self._step_nanoseconds) for each in given]
+        seeds[indices] = [saved[each].seed for each in given]
         self._plugins.load(core, chosen, seeds, self._steps)
         physics, arrays = [each.physics for each in saved.values()], self._arrays(observation)
         former = self._variation.take(core, indices, [saved[each].vary for each in given])

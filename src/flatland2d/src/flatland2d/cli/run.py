@@ -173,7 +173,7 @@ def _progress_bar(
 
 @contextlib.contextmanager
 def interrupts() -> Iterator[Callable[[], bool]]:
-    """Makes SIGINT (Ctrl-C) and SIGTERM end the run between steps, not within one.
+    """Makes SIGINT (Ctrl-C), SIGTERM and SIGHUP end the run between steps, not within one.
 
     Yields:
         A function that tells whether a signal has come. A second one ends the process at once.
@@ -185,7 +185,9 @@ def interrupts() -> Iterator[Callable[[], bool]]:
         for each in former:
             signal.signal(each, signal.SIG_DFL)
 
-    numbers = (signal.SIGINT, signal.SIGTERM)
+    numbers = [signal.SIGINT, signal.SIGTERM]
+    if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:  # else by nohup
+        numbers.append(signal.SIGHUP)
     former = {number: signal.signal(number, note) for number in numbers}
     try:
         yield lambda: bool(received)

@@ -9,7 +9,7 @@ from flatland2d.browser import open_in_browser
 from flatland2d.cli.arguments import Subparsers, add_world, positive, whole_from
 from flatland2d.cli.run import interrupts
 from flatland2d.cli.serve import bridge
-from flatland_server.config import shipped_worlds
+from flatland_server.config import find_world, is_shipped
 
 
 def add_parser(commands: Subparsers) -> None:
@@ -37,7 +37,7 @@ def add_parser(commands: Subparsers) -> None:
 
 def _execute(options: argparse.Namespace) -> int:
     parts = bridge("view")
-    is_shipped = options.world in shipped_worlds()
+    world = find_world(options.world)
     server = parts.Server(
         options.world,
         seed=options.seed,
@@ -45,7 +45,7 @@ def _execute(options: argparse.Namespace) -> int:
         rate=options.rate,
         params=dict(options.params),
         model_folders=options.models,
-        state_folder=Path.cwd() if is_shipped else Path(options.world).absolute().parent,
+        state_folder=Path.cwd() if is_shipped(world) else world.absolute().parent,
         access=parts.Access(token=secrets.token_urlsafe(16)),
         rosbridge_port=options.port,
         foxglove_port=None,

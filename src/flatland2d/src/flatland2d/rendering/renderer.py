@@ -1,8 +1,9 @@
 """Draws a world: repeatedly with a `Renderer`, once with `render`."""
 
 import io
-import math
-from pathlib import Path
+import os
+import sys
+from numbers import Real
 from typing import Iterable, Optional, Union
 
 import numpy as np
@@ -13,9 +14,10 @@ from flatland2d.rendering.image_canvas import ImageCanvas
 from flatland2d.rendering.svg_canvas import SvgCanvas
 from flatland2d.rendering.tiles import Tiles
 from flatland2d.rendering.view import Size, View, fitting_size
+from flatland_server.arguments import path_of, shown
 from flatland_server.arrays import UInt8Array
 from flatland_server.canvas import Canvas, Points
-from flatland_server.exceptions import FlatlandError
+from flatland_server.exceptions import FlatlandError, UsageError
 from flatland_server.simulation import World
 from flatland_server.timekeeper import Timekeeper
 
@@ -57,8 +59,8 @@ class Renderer:
         if follow is None:
             low, high = scene.bounds(self.world)
             return View.of(low, high, size or fitting_size(low, high, LONGER_SIDE))
-        if not (math.isfinite(width) and width > 0.0):
-            raise FlatlandError(f"expected a width above 0 m, found {width}")
+        if not (isinstance(width, Real) and 0.0 < width <= sys.float_info.max):
+            raise UsageError(f"expected a width above 0 m, found {shown(width)}")
         size = size or FOLLOWED_SIZE
         return View.around(self.world.get_model(follow).pose[:2], size[0] / width, size)
 
@@ -137,7 +139,7 @@ def render(
 
 
 def save(
-    path: Union[str, Path],
+    path: Union[str, "os.PathLike[str]"],
     renderer: Renderer,
     view: Optional[View] = None,
     *,
@@ -152,7 +154,7 @@ def save(
     Raises:
         FlatlandError: the file cannot be written, or its kind is not known.
     """
-    path = Path(path)
+    path = path_of(path, "the path of a picture")
     try:
         if path.suffix.lower() == ".svg":
             document = renderer.svg(view, sensors=sensors, names=names, trails=trails)

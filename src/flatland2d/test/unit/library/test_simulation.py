@@ -112,6 +112,15 @@ def test_a_state_is_loaded_by_a_simulation_of_the_same_world(sim, world):
     assert other.poses[2, 0] == pytest.approx(-1 + 30 * 0.0025)
 
 
+def test_a_state_has_a_seed_of_any_size(world):
+    sim = Simulation(world, seed=2**100, loader=LOADER)
+    sim.keep_history()
+    state = sim.step(10).save_state()
+
+    assert sim.seek(0).seed == 2**100
+    assert sim.load_state(state).save_state() == state
+
+
 def test_contacts_name_the_bodies_that_touch(sim):
     sim.move("box", [0.35, 0, 0])
     sim.spawn({"bodies": [BODY]}, "corner", [1.85, 0, 0])

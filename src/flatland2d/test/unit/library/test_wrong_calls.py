@@ -27,6 +27,19 @@ WRONG = [
     (lambda sim: sim.move("box", [0, 10**400, 0]), UsageError, r"\[x, y, yaw\], found \[0"),
     (lambda sim: sim.move("box", [0, math.nan, 0]), ModelError, "expected a finite pose, found"),
     (lambda sim: sim.spawn(ROBOT, 3), UsageError, "the model's name as a string, found 3"),
+    (lambda sim: sim.spawn(ROBOT, "c", namespace=3), UsageError, "namespace as a string, found 3"),
+    (
+        lambda sim: sim.spawn(3, "c"),
+        UsageError,
+        "a model's file, or its content as a dict, found 3",
+    ),
+    (lambda sim: sim.move(3, [0, 0, 0]), ModelError, 'there is no model "3"'),
+    (lambda sim: sim.delete(None), ModelError, 'there is no model "None"'),
+    (lambda sim: sim.models["robot"].plugin(3), ModelError, 'has no plugin "3"'),
+    (lambda sim: sim.keep_history(math.inf), UsageError, "an interval above 0, found inf"),
+    (lambda sim: sim.keep_history(1, 10**400), UsageError, "expected a memory above 0, found 1000"),
+    (lambda sim: sim.save_picture(3), UsageError, "expected the path of a picture, found 3"),
+    (lambda sim: sim.render(follow="box", width="x"), UsageError, "a width above 0 m, found 'x'"),
     (lambda sim: sim.move("box", [1e9, 0, 0]), ModelError, "cannot be there"),
     (lambda sim: sim.spawn(ROBOT, "c", [0, math.inf, 0]), ModelError, "expected a finite pose"),
     (lambda sim: sim.spawn(ROBOT, "a b"), ModelError, "a b"),
@@ -60,6 +73,11 @@ WRONG = [
         lambda sim: Simulation("office", model_folders="models"),
         UsageError,
         "expected model_folders as a list, found 'models'",
+    ),
+    (
+        lambda sim: Simulation("office", model_folders=[3]),
+        UsageError,
+        "expected model_folders as paths, found 3",
     ),
 ]
 

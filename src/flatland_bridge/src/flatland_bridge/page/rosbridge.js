@@ -61,6 +61,7 @@ export class Rosbridge {
   }
 
   call(service, args = {}) {
+    if (this.socket.readyState !== WebSocket.OPEN) return Promise.reject(new Error("the connection is lost"));
     const id = `call:${++this.number}`;
     return new Promise((resolve, reject) => {
       this.calls.set(id, {resolve, reject});

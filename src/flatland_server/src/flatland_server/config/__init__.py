@@ -12,7 +12,7 @@ from flatland_server.config.input_files import (
     require_free,
 )
 from flatland_server.config.ros_names import is_topic, namespace_problem, topic_name_problem
-from flatland_server.config.worlds import SCENE_GOALS, find_world, shipped_worlds
+from flatland_server.config.worlds import SCENE_GOALS, find_world, is_shipped, shipped_worlds
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.config.yaml_values import LARGEST
@@ -27,6 +27,7 @@ __all__ = [
     "YamlReader",
     "find_world",
     "is_file",
+    "is_shipped",
     "is_topic",
     "namespace_problem",
     "open_regular",

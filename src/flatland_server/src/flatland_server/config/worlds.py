@@ -36,6 +36,11 @@ def shipped_worlds() -> Dict[str, Path]:
     return dict(sorted(worlds.items()))
 
 
+def is_shipped(path: Path) -> bool:
+    """True for the file of a shipped world, by any of its names."""
+    return path.resolve() in [each.resolve() for each in shipped_worlds().values()]
+
+
 def find_world(name: Union[str, Path]) -> Path:
     """The file of a world.
 

@@ -99,7 +99,7 @@ class ClientEdits:
 
     @contextmanager
     def edit(self, names: Iterable[str], extends: Optional[Edit] = None) -> Iterator[Edit]:
-        """A context; the changes of models within it are one edit.
+        """A context; the changes of models within it are one edit. If it fails, none is spawned.
 
         Args:
             names: names of the models that may change.
@@ -110,7 +110,8 @@ class ClientEdits:
         done = self._done
         is_part = extends is not None and bool(done) and done[-1] is extends
         edit = done[-1] if is_part else Edit({name: self._placed(name) for name in names})
-        yield edit
+        with self._spawning_all():
+            yield edit
         edit.after = {name: self._placed(name) for name in edit.before}
         if is_part:
             done.pop()
@@ -157,9 +158,9 @@ class ClientEdits:
     def discard(self, names: Iterable[str]) -> None:
         """Deletes models for ever, like `delete`."""
         for name in names:
+            self._world.contents.layout.pop(name, None)
             if name in self._world.models:
                 self._world.delete_model(name)
-                self._world.contents.layout.pop(name, None)
 
     def undo(self) -> str:
         """Undoes the latest edit; returns its name.
@@ -209,32 +210,44 @@ class ClientEdits:
         entry = replace(contents.added.entries[name], pose=contents.models[name].pose)
         return _Placed(entry, contents.layout.get(name))
 
+    @contextmanager
+    def _spawning_all(self) -> Iterator[None]:
+        """A context; all models that are spawned within it are deleted if it fails."""
+        before = set(self._world.models)
+        try:
+            yield
+        except BaseException:
+            self.discard([name for name in self._world.models if name not in before])
+            raise
+
     def _make(
         self, places: Dict[str, Optional[_Placed]], former: Dict[str, Optional[_Placed]]
     ) -> None:
-        """Spawns, moves and deletes models.
+        """Spawns, moves and deletes models: all or none.
 
         Args:
             places: models and poses as they are to be, by name.
-            former: as an edit has left them; else they are not touched.
+            former: as an edit has left them; else none is touched.
         """
         world = self._world
         layout = world.contents.layout
         self.revision += 1
-        for name, place in places.items():
-            if (name in world.models) != (former[name] is not None):
-                is_there = "there is" if name in world.models else "there is no"
+        for name, place in former.items():
+            if (name in world.models) != (place is not None):
+                is_there = "there is a" if name in world.models else "there is no"
                 raise ModelError(f'{is_there} model named "{name}" meanwhile')
-            layout.pop(name, None)
-            if place is None:
-                world.delete_model(name)
-                continue
-            if former[name] is not None:
-                world.move_model(name, place.entry.pose)
-            else:
-                world.add_model(place.entry)
-            if place.layout is not None:
-                layout[name] = place.layout
+        with self._spawning_all():
+            for name, place in places.items():
+                if place is None:
+                    self.discard([name])
+                    continue
+                if name in world.models:  # also if plugins of another one have spawned it
+                    world.move_model(name, place.entry.pose)
+                else:
+                    world.add_model(place.entry)
+                layout.pop(name, None)
+                if place.layout is not None:
+                    layout[name] = place.layout
 
     @property
     def changes(self) -> Changes:

@@ -14,6 +14,7 @@ import yaml
 from flatland_server.config.composed_files import compose_file
 from flatland_server.config.file_names import to_path
 from flatland_server.config.packages import package_folders
+from flatland_server.config.worlds import is_shipped
 from flatland_server.config.yaml_reader import is_text
 from flatland_server.exceptions import (
     FlatlandError,
@@ -78,13 +79,16 @@ class ClientFiles:
             name: absolute; empty for the world's own file.
 
         Raises:
-            FlatlandError: the world has no file, the name is relative or leads out of the folder of
+            FlatlandError: the world has no file, or no name is given and it is one of Flatland's
+                own; the name is relative or leads out of the folder of
                 states, or something is there that is no world file, such as a link to one.
         """
         own = self._world.config.path and self._world.config.path.absolute()
         path = to_path(name) if name else own
         if path is None:
             raise FlatlandError("the world was made without a file; expected the path of a new one")
+        if not name and is_shipped(path):
+            raise FlatlandError("the world is one of Flatland's own; save a copy of it")
         if not path.is_absolute():
             raise FlatlandError(f'expected an absolute path, found "{shortened(name)}"')
         if self._state_folder is not None:

@@ -113,16 +113,11 @@ class ModelServices:
 
     def _add(self, entries: List[ModelEntry], naming: _Naming) -> str:
         """Adds models: all, or none; returns their warnings, or an empty string."""
-        before = set(self._world.models)
         warnings = []
-        try:
-            with self._edits.edit([entry.name for entry in entries]):
-                for index, entry in enumerate(entries):
-                    with naming(index, entry.name):
-                        warnings.append(self._world.overlap_warning(self._edits.spawn(entry)))
-        except BaseException:
-            self._edits.discard([name for name in self._world.models if name not in before])
-            raise
+        with self._edits.edit([entry.name for entry in entries]):
+            for index, entry in enumerate(entries):
+                with naming(index, entry.name):
+                    warnings.append(self._world.overlap_warning(self._edits.spawn(entry)))
         return "; ".join(filter(None, warnings))
 
     def _delete_model(self, request: Any) -> None:

@@ -1,10 +1,19 @@
-"""Nodes that a signal ends, whatever they do then."""
+"""Nodes that a signal ends, whatever they do then, and that may have no terminal."""
 
+import os
 import queue
 import signal
+import sys
 import threading
 
 import rospy
+
+
+def open_closed_streams() -> None:
+    """Opens standard output and errors if they are closed: rospy would fail to write to them."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 (until the process ends)
 
 
 def init_node(name: str) -> None:
@@ -17,6 +26,7 @@ def init_node(name: str) -> None:
     Args:
         name: the node's name, if it is not remapped.
     """
+    open_closed_streams()
     rospy.init_node(name, disable_signals=True)
     signals: queue.SimpleQueue[int] = queue.SimpleQueue()
 

@@ -23,6 +23,7 @@ from flatland_server.ros import other_nodes, rospy_patches
 from flatland_server.ros.clock import warn_of_other_times
 from flatland_server.ros.launch_arguments import check_launch_arguments, parent_command_line
 from flatland_server.ros.log_handler import LoadingPublisher, RosLogHandler, tolerate_write_errors
+from flatland_server.ros.node import open_closed_streams
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.rospy_patches.master_calls import NO_ANSWER, Master
 from flatland_server.ros.server_parameters import RosConfig, read_config
@@ -62,6 +63,7 @@ def run_node(name: str, simulate: Simulate) -> int:
         The exit code.
     """
     atexit.register(gc.freeze)  # no garbage collection at exit, to save time
+    open_closed_streams()
     rospy.init_node(name, disable_signals=True)
     logging.getLogger().addHandler(RosLogHandler())
     log = RecentLog(logging.getLogger("rosout"))

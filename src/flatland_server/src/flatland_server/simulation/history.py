@@ -24,6 +24,9 @@ R = TypeVar("R", bound="RunWithHistory")
 SHARE_OF_VIEWERS = 0.05
 """The largest part of the real time that a server or viewer spends on keeping states."""
 
+_MOST = 1e18
+"""Greatest value of an argument."""
+
 _PART_SIZE = 50_000
 """Bytes of inputs that are compressed at once, roughly."""
 
@@ -64,7 +67,7 @@ class History:
         self, run: Run, interval: float = 1.0, memory: int = 64_000_000, share: float = 1.0
     ) -> None:
         for value, what in ((interval, "an interval"), (memory, "a memory"), (share, "a share")):
-            if not (isinstance(value, (int, float)) and value > 0):
+            if not (isinstance(value, (int, float)) and 0 < value <= _MOST):
                 raise UsageError(f"expected {what} above 0, found {shown(value)}")
         self._run, self._timekeeper = run, run.timekeeper
         self._interval = round(interval * 1e9)

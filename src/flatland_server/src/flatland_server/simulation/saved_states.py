@@ -82,7 +82,9 @@ def restore(state: WorldState, world: World) -> None:
         plugins = state.plugins
         if state.is_of_batch:  # which leaves out some: they start from scratch
             plugins = plugin_state.completed(contents.plugins, plugins)
-        plugin_state.restore_failures(contents.plugins, plugins)
+        with contents.deferred.lock:  # what they did to models when they ended is in the state
+            plugin_state.restore_failures(contents.plugins, plugins)
+        contents.deferred.pending.clear()
         contents.physics.restore_state(state.physics)
         plugin_state.restore(contents.plugins, plugins)
     except StateError:

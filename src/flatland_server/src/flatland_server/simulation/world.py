@@ -136,7 +136,7 @@ class World:
         contents = self.contents
         contents.add_layers_and_models()
         contents.plugins.start(contents.config.plugins, WorldPlugin, "", "", self)
-        contents.is_starting = False
+        contents.is_changing = False
         warn_of_traps(contents)
 
     # Contents
@@ -377,7 +377,7 @@ class World:
     @property
     def is_between_steps(self) -> bool:
         """True if no step is being made, and no plugin is being started or stopped."""
-        return self.contents.deferred.defers_nothing and not self.contents.is_starting
+        return self.contents.deferred.defers_nothing and not self.contents.is_changing
 
     def require_between_steps(self, name: str) -> None:
         """Checks that no step is being made, and no plugin is being started or stopped.
@@ -410,7 +410,7 @@ class World:
         """
         contents = self.contents
         deferred = contents.deferred
-        if contents.is_starting or not (deferred.defers_nothing or deferred.is_locked):
+        if contents.is_changing or not (deferred.defers_nothing or deferred.is_locked):
             raise FlatlandError("the world cannot be reset while plugins are started or stopped")
         chosen = contents.seed if seed is None else seed
         deferred.run_or_defer(

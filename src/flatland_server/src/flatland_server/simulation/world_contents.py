@@ -108,7 +108,7 @@ class WorldContents:
         added: models and walls that have been added since the world was made.
         layout: the poses of models as a world file has them: those of the file, as clients have
             spawned, moved and deleted them. Robots that drive and what plugins do change nothing.
-        is_starting: whether the contents are still being made.
+        is_changing: whether all of its plugins are being started or stopped.
     """
 
     def __init__(
@@ -134,7 +134,7 @@ class WorldContents:
         self.deferred = DeferredActions()
         self.added = AddedObjects()
         self.layout: Dict[str, Pose] = {entry.name: entry.pose for entry in config.models}
-        self.is_starting = True
+        self.is_changing = True
 
     def add_layers_and_models(self) -> None:
         """Adds the layers and models of the files.
@@ -229,15 +229,17 @@ class WorldContents:
     @property
     def _comes_with_another(self) -> bool:
         """True if a rebuild of the world or of a model repeats what is added now."""
-        return self.is_starting or self.plugins.is_starting
+        return self.is_changing or self.plugins.is_starting
 
     def close(self) -> None:
         """Stops all plugins. Changes that they request meanwhile are dropped."""
+        self.is_changing = True
         try:
             with self.deferred.lock:
                 self.plugins.stop_all()
         finally:
             self.deferred.pending.clear()
+            self.is_changing = False
 
     def discard(self) -> None:
         """Stops all plugins and removes all bodies: handles to them raise from now on."""

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Union
 
+import numpy as np
+
 from flatland_server import plain_data
 from flatland_server.config.input_files import MAX_STATE, read_input, replacing, require_free
 from flatland_server.exceptions import StateError
@@ -15,6 +17,8 @@ from flatland_server.simulation.plugin_state import PluginState
 
 _FORMAT = 1
 _FORMAT_KEY = "flatland_state"
+_LATEST = 10**18
+"""The greatest time of a state [ns]: ROS has stamps of up to four times as many seconds."""
 _BEGINNING = f'{{"{_FORMAT_KEY}":'.encode()
 """The first bytes of each state."""
 
@@ -67,7 +71,8 @@ class WorldState:
 
     world: str
     """The path of its file, for messages."""
-    seed: int
+    seed: Any
+    """A whole number of 0 or more, of any size."""
     nanoseconds: int
     """Simulated time."""
     wall_counts: Dict[str, int]
@@ -117,9 +122,16 @@ class WorldState:
                     for index, each in enumerate(content[name])
                 ]
             state = plain_data.made(cls, content, "state")
+            if type(state.seed) is not int or state.seed < 0:
+                raise ValueError(f"state.seed: expected another value, found {state.seed!r:.60}")
             poses = [*(each.pose for each in state.models), *state.layout.values()]
-            if state.nanoseconds < 0 or any(len(pose) != 3 for pose in poses):
-                raise ValueError("expected a time of 0 or more, and poses of three numbers")
+            if not 0 <= state.nanoseconds <= _LATEST or any(len(pose) != 3 for pose in poses):
+                raise ValueError("expected a time of 0 to 1e9 s, and poses of three numbers")
+            walls = [each.segments for each in state.walls]
+            if state.own_walls is not None:
+                walls.append(state.own_walls)
+            if not all(isinstance(each, np.ndarray) and each.dtype.kind in "fiu" for each in walls):
+                raise ValueError("expected walls as arrays of numbers")
         except ValueError as error:
             raise StateError(f"the state is damaged: {error}") from None
         return state

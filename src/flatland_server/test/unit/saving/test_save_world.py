@@ -247,6 +247,14 @@ def test_a_client_writes_worlds_alone(server, files, tmp_path):
     assert fenced.world.config.path == kept / "mine.yaml"
 
 
+def test_a_shipped_world_is_saved_only_if_it_is_named(server, monkeypatch):
+    shipped = {"ours": server.path}
+    monkeypatch.setattr("flatland_server.config.worlds.shipped_worlds", lambda: shipped)
+    with pytest.raises(FlatlandError, match="one of Flatland's own; save a copy"):
+        server.save()
+    assert server.save(server.path) == f"0 changed models saved in {server.path}"
+
+
 @pytest.mark.parametrize(
     "text",
     [

@@ -138,6 +138,54 @@ def test_an_edit_of_a_model_that_is_gone_is_dropped(server):
     assert server.edits.next_texts == ("Move b", "")
 
 
+def test_all_models_of_an_edit_come_back_or_none(server, monkeypatch):
+    server.call("delete_models", name=["a", "b"])
+    server.world.spawn_model("box.yaml", "b", "", Pose())  # by a plugin
+    with pytest.raises(FlatlandError, match='is a model named "b"'):
+        revert(server, "undo")
+    assert list(server.world.models) == ["b"]
+
+    server.reset()
+    server.call("delete_models", name=["a", "b"])
+    add_model = server.world.add_model
+
+    def fail(entry):
+        if entry.name == "b":
+            raise FlatlandError("a plugin does not start")
+        return add_model(entry)
+
+    monkeypatch.setattr(server.world, "add_model", fail)
+    with pytest.raises(FlatlandError, match="does not start"):
+        revert(server, "undo")
+    assert list(server.world.models) == []
+
+
+def test_models_that_delete_and_spawn_each_other_are_deleted_and_come_back(server, monkeypatch):
+    add_model, delete_model = server.world.add_model, server.world.delete_model
+
+    def add(entry):
+        model = add_model(entry)
+        if entry.name == "a":
+            server.world.spawn_model("box.yaml", "b", "", Pose(1.0))
+        return model
+
+    def delete(name):
+        delete_model(name)
+        if name == "a":
+            delete_model("b")
+
+    monkeypatch.setattr(server.world, "add_model", add)
+    monkeypatch.setattr(server.world, "delete_model", delete)
+    before = server.poses()
+    server.call("delete_models", name=["a", "b"])
+    assert server.edits.changes.deleted == ["a", "b"]
+
+    revert(server, "undo")
+    assert server.poses() == before
+    revert(server, "redo")
+    assert server.poses() == {}
+
+
 def test_the_state_names_the_next_edits(server):
     def state():
         for action in server.manager.on_tick:

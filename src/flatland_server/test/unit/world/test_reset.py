@@ -152,10 +152,11 @@ def test_a_reset_is_refused_while_plugins_start_or_stop(load, monkeypatch, plugi
 
     monkeypatch.setattr(plugin, hook, reset)
     simulation = load()
-    simulation.world.delete_model("a")
-
+    simulation.reset().world.delete_model("a")
     assert list(simulation.world.models) == ["b"]
-    assert refusals == ["the world cannot be reset while plugins are started or stopped"]
+    simulation.reset().close()
+
+    assert refusals == ["the world cannot be reset while plugins are started or stopped"] * 3
 
 
 def test_an_edited_file_is_loaded_in_place_of_the_former_one(models, load, transport):

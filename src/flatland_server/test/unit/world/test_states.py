@@ -61,9 +61,22 @@ class Nursery(WorldPlugin):
         return None
 
 
+class Heir(WorldPlugin):
+    """Fails at once, and then deletes the last model."""
+
+    def on_initialize(self, config):
+        pass
+
+    def after_physics_step(self, timekeeper):
+        raise ValueError("too early")
+
+    def on_shutdown(self):
+        self.world.delete_model(list(self.world.models)[-1])
+
+
 @pytest.fixture(scope="module")
 def loader() -> PluginLoader:
-    return PluginLoader(map(PluginDeclaration.of, (Counter, Forgetful, Nursery)))
+    return PluginLoader(map(PluginDeclaration.of, (Counter, Forgetful, Nursery, Heir)))
 
 
 WORLD = f"""{EMPTY}
@@ -118,6 +131,17 @@ def test_a_plugin_that_has_failed_stays_switched_off(load):
     assert plugins(second)[0].count == 0
 
 
+def test_what_a_failed_plugin_did_at_its_end_is_not_repeated(models, simulate):
+    models.write("counts.yaml", (models.folder / "plain.yaml").read_text())
+    first, second = (simulate(models.load(WORLD.replace("Nursery", "Heir"))) for _ in range(2))
+    state = first.run(0.02).save_state()
+
+    second.load_state(state)
+
+    assert list(second.world.models) == ["a"]
+    assert second.save_state() == state
+
+
 def test_models_and_walls_are_those_of_the_state(models, load):
     first = load()
     spawn(models, first.world, "counts.yaml", "c", pose=Pose(0.0, 2.0, 0.0))
@@ -164,11 +188,15 @@ def damaged(state, change):
         (lambda c: c.pop("flatland_state"), "expected the state of a world, found something else"),
         (lambda c: c.pop("seed"), "the state is damaged: .*seed"),
         (lambda c: c.update(seed="x"), r"state\.seed: expected another value, found 'x'"),
+        (lambda c: c.update(seed=-1), r"state\.seed: expected another value, found -1"),
         (lambda c: c["models"].pop(), "another world: the number of bodies: expected 4, found 6"),
         (lambda c: c["plugins"].pop(), "expected the plugins a/counter, a/forgets, nursery; found"),
         (lambda c: c["plugins"][0].update(type="X"), '"a/counter" is a X in the state, here a Co'),
         (lambda c: c["plugins"][0].update(state=1), 'plugin "a/counter": set_state: TypeError'),
         (lambda c: c.update(physics=c["physics"][:-1]), "the state is damaged"),
+        (lambda c: c["walls"].append({"order": 1, "layer": 0, "segments": 1}), "expected walls as"),
+        (lambda c: c.update(own_walls=np.array([[1j] * 4])), "damaged: expected walls as arrays"),
+        (lambda c: c.update(nanoseconds=2**62), "damaged: expected a time of 0 to 1e9 s"),
         (lambda c: c["wall_counts"].update(map=3), 'the layer "map" has 3 walls there, no here'),
     ],
 )
