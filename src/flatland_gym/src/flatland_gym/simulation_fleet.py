@@ -1,4 +1,4 @@
-"""Fleets of simulations, each stepped by itself: for every plugin, and for single environments."""
+"""Fleets of simulations, each stepped by itself: for worlds with plugins that no batch runs."""
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -16,35 +16,36 @@ from flatland_gym.settings import NavigationSettings
 from flatland_server import Body, BoolArray, FloatArray, IntArray, ModelPlugin, Segments
 from flatland_server.simulation import WorldState
 
-_ONLY = np.array([0])
 
-
-class RobotSimulation(Fleet):
-    """A single `Simulation` with one robot or several, each with a row.
+class _Place:
+    """A `Simulation` with the robots of an environment, each with a row of the arrays.
 
     Works with every plugin, and with models that move.
     """
 
-    _simulation: Optional[Simulation] = None  # made with the seed of the first episode
-    _values: Mapping[str, float] = {}
-    """Of the numbers that differ between episodes."""
+    def __init__(
+        self, world: NavigationWorld, settings: NavigationSettings, rows: BatchObservation
+    ) -> None:
+        self._world = world
+        self._settings = settings
+        self._rows = rows
+        self._simulation: Optional[Simulation] = None  # made with the seed of the first episode
+        self._values: Mapping[str, float] = {}  # of the numbers that differ between episodes
 
-    def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
-        world, (episode,) = self._world, episodes
-        self._open(episode.seed, episode.vary).reset(episode.seed)
-        assert self._simulation is not None
-        for name, pose in (*zip(world.robots, episode.starts), *episode.places.items()):
-            self._simulation.move(name, pose)
-        self._begin(self._simulation)
+    def reset(self, episode: Episode) -> None:
+        simulation = self._open(episode.seed, episode.vary)
+        simulation.reset(episode.seed)
+        for name, pose in (*zip(self._world.robots, episode.starts), *episode.places.items()):
+            simulation.move(name, pose)
+        self._begin(simulation)
 
-    def save_states(self, indices: IntArray) -> List[bytes]:
-        state = self.simulation(0).save_state()
+    def save_state(self) -> bytes:
+        state = self.simulation.save_state()
         if self._values:
             state = replace(WorldState.loads(state), vary=dict(self._values)).dumps()
-        return [state for _ in indices]
+        return state
 
-    def load_states(self, indices: IntArray, states: Sequence[bytes]) -> None:
-        (state,) = states
+    def load_state(self, state: bytes) -> None:
         values: Mapping[str, float] = {}
         if self._settings.vary:
             read = WorldState.loads(state)
@@ -76,28 +77,22 @@ class RobotSimulation(Fleet):
         rows.collided[:] = False
         self._look(range(len(robots)))
 
-    def added_walls(self, index: int) -> Segments:
+    def added_walls(self) -> Segments:
         config = self._world.config
         added = [
             layer.segments[len(config.walls_of(layer.config)) :]
-            for layer in self.simulation(index).world.layers
+            for layer in self.simulation.world.layers
         ]
         return np.concatenate([np.empty((0, 4)), *added])
 
-    def step(self, actions: FloatArray, indices: IntArray) -> None:
-        self._drive(indices.tolist(), actions[indices].tolist())
-
-    def drive(self, command: Sequence[float]) -> None:
-        self._drive((0,), (command,))
-
-    def _drive(self, numbers: Sequence[int], commands: Sequence[Sequence[float]]) -> None:
+    def step(self, numbers: Sequence[int], commands: Sequence[Sequence[float]]) -> None:
         """Makes a step of the environment with some robots.
 
         Args:
             numbers: rows of the robots in the arrays.
             commands: the actions of these robots; finite.
         """
-        simulation, collided = self.simulation(0), self._rows.collided
+        simulation, collided = self.simulation, self._rows.collided
         for number, command in zip(numbers, commands):
             self._drives[number].command(*command)
         collided[:] = False
@@ -112,26 +107,22 @@ class RobotSimulation(Fleet):
                             collided[self._numbers[name]] = True
         self._look(numbers)
 
-    def retire(self, indices: IntArray, leaving: BoolArray) -> None:
+    def retire(self, numbers: Sequence[int], leaving: BoolArray) -> None:
         zeros = [0.0] * len(self._world.robot.action_limits)
-        for number in indices.tolist():
+        for number in numbers:
             self._drives[number].command(*zeros)
             if leaving[number]:
-                self.simulation(0).move(self._world.robots[number], parking_place(-1 - number))
+                self.simulation.move(self._world.robots[number], parking_place(-1 - number))
 
-    def simulation(self, index: int) -> Simulation:
+    @property
+    def simulation(self) -> Simulation:
         assert self._simulation is not None  # there is one from the first episode on
         return self._simulation
 
-    def motions(self, indices: IntArray) -> Motions:
-        simulation = self.simulation(0)
-        names = list(simulation.models)
+    def motions(self) -> Motions:
+        names = list(self.simulation.models)
         columns = [names.index(name) for name in self._world.others]
-        poses, velocities = (
-            np.repeat(rows[None, columns], len(indices), axis=0)
-            for rows in (simulation.poses, simulation.velocities)
-        )
-        return poses, velocities
+        return self.simulation.poses[columns], self.simulation.velocities[columns]
 
     def close(self) -> None:
         if self._simulation is not None:
@@ -139,7 +130,7 @@ class RobotSimulation(Fleet):
 
     def _look(self, numbers: Sequence[int]) -> None:
         """Writes the measurements of some robots."""
-        timekeeper = self.simulation(0).timekeeper
+        timekeeper = self.simulation.timekeeper
         for number in numbers:
             ranges, pose, velocity = self._views[number]
             ranges[:] = self._lidars[number].read(timekeeper)
@@ -147,7 +138,7 @@ class RobotSimulation(Fleet):
 
 
 class SimulationFleet(Fleet):
-    """A `RobotSimulation` at each place, made when it is first needed.
+    """A `Simulation` at each place, made when it is first needed.
 
     Args:
         world: the world to simulate.
@@ -164,7 +155,7 @@ class SimulationFleet(Fleet):
         threads: int = 1,
     ) -> None:
         super().__init__(world, settings, rows)
-        self._places: Dict[int, RobotSimulation] = {}
+        self._places: Dict[int, _Place] = {}
         self._threads = min(threads, len(rows.poses) // self._team)
         self._pool: Optional[ThreadPoolExecutor] = None
         if self._threads > 1:
@@ -173,42 +164,42 @@ class SimulationFleet(Fleet):
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
         chosen = dict(zip(indices.tolist(), episodes))
         self._make_places(chosen)
-        self._each(lambda index: self._places[index].reset(_ONLY, [chosen[index]]), list(chosen))
+        self._each(lambda index: self._places[index].reset(chosen[index]), list(chosen))
 
     def added_walls(self, index: int) -> Segments:
-        return self._places[index].added_walls(0)
+        return self._places[index].added_walls()
 
     def step(self, actions: FloatArray, indices: IntArray) -> None:
         numbers = self._by_place(indices)
-        self._each(
-            lambda place: self._places[place].step(actions[self._rows_of(place)], numbers[place]),
-            list(numbers),
-        )
+
+        def step(place: int) -> None:
+            own = numbers[place]
+            self._places[place].step(own.tolist(), actions[self._rows_of(place)][own].tolist())
+
+        self._each(step, list(numbers))
 
     def drive(self, command: Sequence[float]) -> None:
-        self._places[0].drive(command)
+        self._places[0].step((0,), (command,))
 
     def retire(self, indices: IntArray, leaving: BoolArray) -> None:
         for place, numbers in self._by_place(indices).items():
-            self._places[place].retire(numbers, leaving[self._rows_of(place)])
+            self._places[place].retire(numbers.tolist(), leaving[self._rows_of(place)])
 
     def save_states(self, indices: IntArray) -> List[bytes]:
-        return [self._places[index].save_states(_ONLY)[0] for index in indices.tolist()]
+        return [self._places[index].save_state() for index in indices.tolist()]
 
     def load_states(self, indices: IntArray, states: Sequence[bytes]) -> None:
         chosen = dict(zip(indices.tolist(), states))
         self._make_places(chosen)
-        self._each(
-            lambda index: self._places[index].load_states(_ONLY, [chosen[index]]), list(chosen)
-        )
+        self._each(lambda index: self._places[index].load_state(chosen[index]), list(chosen))
 
     def simulation(self, index: int) -> Simulation:
-        return self._places[index].simulation(0)
+        return self._places[index].simulation
 
     def motions(self, indices: IntArray) -> Motions:
         places = (indices // self._team).tolist()
-        found = [self._places[place].motions(_ONLY) for place in places]
-        poses, velocities = (np.concatenate(arrays) for arrays in zip(*found))
+        found = [self._places[place].motions() for place in places]
+        poses, velocities = (np.stack(arrays) for arrays in zip(*found))
         return poses, velocities
 
     def close(self) -> None:
@@ -231,7 +222,7 @@ class SimulationFleet(Fleet):
     def _make_places(self, indices: Iterable[int]) -> None:
         for index in set(indices) - self._places.keys():
             row = BatchObservation._make(array[self._rows_of(index)] for array in self._rows)
-            self._places[index] = RobotSimulation(self._world, self._settings, row)
+            self._places[index] = _Place(self._world, self._settings, row)
 
     def _each(self, do: Callable[[int], None], indices: List[int]) -> None:
         """Calls a function with each index, on all threads."""
