@@ -10,7 +10,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
-from flatland2d.cli.arguments import Subparsers, add_params
+from flatland2d.cli.arguments import Subparsers, add_sources
 from flatland2d.cli.plugin_problems import plugin_problems
 from flatland2d.rendering.renderer import Renderer, save
 from flatland_server.config import YamlPreprocessor, YamlReader, shipped_worlds, to_path
@@ -162,15 +162,7 @@ def add_parser(commands: Subparsers) -> None:
         metavar="FILE",
         help="draw the world as it would look at the start, into a .png, .svg ...",
     )
-    parser.add_argument(
-        "--models",
-        type=Path,
-        action="append",
-        default=[],
-        metavar="FOLDER",
-        help="as the server's ~models: look up models there that are not beside the world file",
-    )
-    add_params(parser)
+    add_sources(parser)
     parser.set_defaults(execute=_execute, parser=parser)
 
 

@@ -9,14 +9,20 @@ import time
 from types import FrameType
 from typing import Callable, Iterator, Optional
 
-from flatland2d.cli.arguments import Subparsers, add_world, open_simulation, positive
+from flatland2d.cli.arguments import (
+    INTERRUPTED,
+    SIGNALS,
+    Subparsers,
+    add_world,
+    handled,
+    open_simulation,
+    positive,
+)
 from flatland2d.simulation import Simulation
 from flatland_server.exceptions import MissingPackageError, suggestion
 
 _CHUNK = 0.05
 """Real time between checks of the clock and of Ctrl-C [s]: the duration of one call of `step`."""
-
-_INTERRUPTED = 130
 
 
 def add_parser(commands: Subparsers) -> None:
@@ -84,7 +90,7 @@ def _execute(options: argparse.Namespace) -> int:
     for failure in failures:
         print(f'the plugin "{failure.label}" failed in {failure.reason}', file=sys.stderr)
     if options.seconds is not None and is_interrupted():
-        return _INTERRUPTED
+        return INTERRUPTED
     return 1 if failures else 0
 
 
@@ -182,13 +188,8 @@ def interrupts() -> Iterator[Callable[[], bool]]:
 
     def note(number: int, _: Optional[FrameType]) -> None:
         received.append(number)
-        for each in former:
+        for each in SIGNALS:
             signal.signal(each, signal.SIG_DFL)
 
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    former = {number: signal.signal(number, note) for number in numbers}
-    try:
+    with handled(note):
         yield lambda: bool(received)
-    finally:
-        for number, handler in former.items():
-            signal.signal(number, handler)
