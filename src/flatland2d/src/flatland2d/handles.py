@@ -14,6 +14,7 @@ from flatland_server.exceptions import (
     listed,
     shortened,
     suggestion,
+    unknown,
 )
 from flatland_server.geometry import Pose, Velocity
 from flatland_server.models import Model
@@ -167,11 +168,8 @@ class ModelHandle:
         return self._drives[name]
 
     def _unknown(self, kind: str, name: str, known: List[str]) -> ModelError:
-        hint = suggestion(name, known)
-        return ModelError(
-            f'the model "{self.name}" has no {kind} "{shortened(name)}"{hint}; '
-            f"it has: {listed(known)}"
-        )
+        problem = f'the model "{self.name}" has no {kind}'
+        return ModelError(unknown(problem, name, known, "it has"))
 
 
 class SensorHandle(Generic[Reading]):

@@ -2,7 +2,6 @@
 
 import os
 from contextlib import closing
-from functools import lru_cache
 from pathlib import Path
 from typing import Any, Mapping, Optional, Sequence, Union
 
@@ -10,7 +9,7 @@ from flatland_server.arguments import shown
 from flatland_server.config import YamlPreprocessor, find_world
 from flatland_server.exceptions import UsageError
 from flatland_server.maps import TOLERANCES
-from flatland_server.plugins import PluginLoader
+from flatland_server.plugins import PluginLoader, shared_loader
 from flatland_server.simulation import World, WorldConfig
 from flatland_server.transport import Transport
 
@@ -47,7 +46,7 @@ def open_world(
     if not isinstance(loader, (PluginLoader, type(None))):
         raise UsageError(f"expected a PluginLoader as loader, found {shown(loader)}")
     if isinstance(source, WorldConfig):
-        return World(source, transport, seed=seed, loader=loader or exported_plugins())
+        return World(source, transport, seed=seed, loader=loader or shared_loader())
     with closing(YamlPreprocessor(transport.get_param, seed)) as preprocessor:
         read: Any = WorldConfig.from_file
         content: Any = source
@@ -61,10 +60,4 @@ def open_world(
                 f"found {shown(source)}"
             )
         config = read(content, preprocessor, simplify_map=simplify_map, model_folders=model_folders)
-    return World(config, transport, seed=seed, loader=loader or exported_plugins())
-
-
-@lru_cache(maxsize=1)
-def exported_plugins() -> PluginLoader:
-    """Finds the plugins that packages export, looked up once in a process."""
-    return PluginLoader()
+    return World(config, transport, seed=seed, loader=loader or shared_loader())

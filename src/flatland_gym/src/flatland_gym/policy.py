@@ -17,7 +17,7 @@ from flatland_gym.observations import NEIGHBOR, neighbor_rows
 from flatland_server import Float32Array, FloatArray, PoseLike
 from flatland_server._core import GoalObserver
 from flatland_server.arrays import npy_array
-from flatland_server.config import MIB, read_input
+from flatland_server.config import MIB, read_input, refusal_by
 
 _FORMAT = "flatland policy 1"
 
@@ -136,7 +136,8 @@ class Policy:
         """
         if str(path) in _SHIPPED:
             path = _POLICIES / f"{path}.npz"
-        content = _arrays(read_input(Path(path), _LARGEST, _refusal), Path(path))
+        data = read_input(Path(path), _LARGEST, refusal_by(FlatlandError))
+        content = _arrays(data, Path(path))
         try:
             if str(content["format"]) != _FORMAT:
                 raise ValueError(f'the format is "{content["format"]}"')
@@ -193,10 +194,6 @@ def layer_values(
         value = values[-1] @ weight + bias
         values.append(np.tanh(value) if number < len(weights) - 1 else value)
     return values
-
-
-def _refusal(path: Path, problem: str) -> FlatlandError:
-    return FlatlandError(f"{path}: {problem}")
 
 
 def _arrays(content: bytes, path: Path) -> Dict[str, Any]:

@@ -33,7 +33,7 @@ from flatland2d.batch.view import BatchView
 from flatland2d.free_space import FreeSpace
 from flatland2d.robot import Robot, find_robot
 from flatland2d.simulation import Simulation
-from flatland2d.world_source import WorldSource, exported_plugins, open_world
+from flatland2d.world_source import WorldSource, open_world
 from flatland_server import _core
 from flatland_server._core import Walls
 from flatland_server.arguments import (
@@ -45,7 +45,7 @@ from flatland_server.arguments import (
 )
 from flatland_server.arrays import ArrayLike, BoolArray, FloatArray, IntArray
 from flatland_server.exceptions import StateError, UsageError
-from flatland_server.plugins import PluginLoader
+from flatland_server.plugins import PluginLoader, shared_loader
 from flatland_server.simulation import World, WorldConfig, WorldState, saved_states
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport import LocalTransport
@@ -719,7 +719,7 @@ class SimulationBatch:
 
     def _load(self, config: WorldConfig, seed: Optional[int] = None) -> World:
         """A world; with the seed of environment 0, unless another one is given."""
-        transport, loader = LocalTransport(self._params, ()), self._loader or exported_plugins()
+        transport, loader = LocalTransport(self._params, ()), self._loader or shared_loader()
         own = int(self._seeds[0]) if seed is None else seed
         return World(config, transport, seed=own, loader=loader)
 

@@ -3,7 +3,7 @@
 import argparse
 from typing import Any
 
-from flatland_server.exceptions import MissingPackageError
+from flatland_server.exceptions import needed_module
 
 SHELLS = ("bash", "zsh")
 
@@ -16,11 +16,7 @@ class PrintCompletion(argparse.Action):
 
     def __call__(self, parser: argparse.ArgumentParser, *arguments: Any, **_: Any) -> None:
         """Prints the script for the shell that the option names."""
-        try:
-            import shtab
-        except ImportError:
-            raise MissingPackageError(
-                "completion needs shtab: pip install shtab, or apt install python3-shtab"
-            ) from None
+        install = "pip install shtab, or apt install python3-shtab"
+        shtab = needed_module("shtab", "completion needs shtab", install)
         print(shtab.complete(parser, shell=arguments[1]))
         parser.exit()

@@ -4,14 +4,14 @@ import argparse
 import os
 import signal
 import sys
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing
 from pathlib import Path
-from typing import Callable, Iterator, List
+from typing import Callable, List
 
-from flatland2d.cli.arguments import Subparsers, not_negative, whole_from
+from flatland2d.cli.arguments import INTERRUPTED, Subparsers, handled, not_negative, whole_from
 from flatland2d.cli.sweep_progress import show_progress
 from flatland2d.cli.sweep_replay import replay
-from flatland2d.sweep.comparison import require_scipy
+from flatland2d.sweep.comparison import scipy_stats
 from flatland2d.sweep.local_pool import LocalPool
 from flatland2d.sweep.metrics import SUMMARISED
 from flatland2d.sweep.ray_pool import RayPool
@@ -20,9 +20,7 @@ from flatland2d.sweep.report import summary_cells, text_table
 from flatland2d.sweep.scenario_file import read_scenario_file
 from flatland2d.sweep.sweep import JOURNAL, Pool, Sweep
 from flatland2d.sweep.tables import write_file
-from flatland_server.exceptions import counted, listed, suggestion
-
-_INTERRUPTED = 130
+from flatland_server.exceptions import counted, listed, unknown
 
 
 def add_parser(commands: Subparsers) -> None:
@@ -110,10 +108,7 @@ def _metrics(text: str) -> List[str]:
     names = text.split(",")
     for name in names:
         if name not in SUMMARISED:
-            raise argparse.ArgumentTypeError(
-                f'there is no metric "{name}"{suggestion(name, SUMMARISED)}; '
-                f"there are: {listed(SUMMARISED)}"
-            )
+            raise argparse.ArgumentTypeError(unknown("there is no metric", name, SUMMARISED))
     return names
 
 
@@ -123,15 +118,15 @@ def _execute(options: argparse.Namespace) -> int:
     settings = read_scenario_file(options.file)
     folder = options.out or Path(f"{options.file.stem}_results")
     if options.replay is not None:
-        with _interrupts():
+        with handled(signal.default_int_handler):
             return replay(settings, options.replay, folder, options.view, options.record)
     if options.baseline is not None:  # before the scenarios are run
-        require_scipy()
+        scipy_stats()
         options.baseline = read_rows(options.baseline)
     if options.restart and (folder / JOURNAL).exists():
         (folder / JOURNAL).unlink()
     with ExitStack() as stack:
-        stack.enter_context(_interrupts())
+        stack.enter_context(handled(signal.default_int_handler))
         sweep = stack.enter_context(closing(Sweep(settings, folder)))
         try:
             return _run(sweep, options, stack)
@@ -141,7 +136,7 @@ def _execute(options: argparse.Namespace) -> int:
                 "the same command runs the rest",
                 file=sys.stderr,
             )
-            return _INTERRUPTED
+            return INTERRUPTED
 
 
 def _run(sweep: Sweep, options: argparse.Namespace, stack: ExitStack) -> int:
@@ -211,18 +206,3 @@ def _pool(sweep: Sweep, options: argparse.Namespace, report: Callable[[str], Non
     if options.ray is not None:
         return RayPool(sweep.settings, options.ray, options.jobs, report, sweep.folder)
     return LocalPool(sweep.settings, options.jobs or len(os.sched_getaffinity(0)), report)
-
-
-@contextmanager
-def _interrupts() -> Iterator[None]:
-    """Makes SIGINT (Ctrl-C) and SIGTERM raise a KeyboardInterrupt.
-
-    SIGINT also in a background process, for which the shell has switched it off.
-    """
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    former = {each: signal.signal(each, signal.default_int_handler) for each in numbers}
-    try:
-        yield
-    finally:
-        for number, handler in former.items():
-            signal.signal(number, handler)

@@ -1,4 +1,4 @@
-"""Draws a world: repeatedly with a `Renderer`, once with `render`."""
+"""Draws a world, into an image or a file."""
 
 import io
 import math
@@ -112,28 +112,6 @@ class Renderer:
         if names:
             for model in models:
                 scene.draw_name(canvas, model)
-
-
-def render(
-    world: World,
-    size: Optional[Size] = None,
-    *,
-    follow: Optional[str] = None,
-    width: float = 10.0,
-    sensors: bool = False,
-    names: bool = False,
-    trails: Iterable[Points] = (),
-) -> UInt8Array:
-    """A picture of a world; a `Renderer` is quicker if there are to be many.
-
-    Args: those of `Renderer.view` and `Renderer.image`.
-
-    Returns:
-        Red, green and blue: shape (height, width, 3).
-    """
-    renderer = Renderer(world)
-    view = renderer.view(size, follow=follow, width=width)
-    return to_array(renderer.image(view, sensors=sensors, names=names, trails=trails))
 
 
 def save(

@@ -21,7 +21,7 @@ import numpy as np
 
 from flatland2d.sweep.intervals import CONFIDENCE
 from flatland2d.sweep.metrics import SUMMARISED
-from flatland_server.exceptions import FlatlandError, MissingPackageError, pip_install
+from flatland_server.exceptions import FlatlandError, needed_module, pip_install
 
 _RESAMPLES = 9999
 
@@ -55,15 +55,14 @@ class Comparison(NamedTuple):
     p: float
 
 
-def require_scipy() -> None:
-    """Raises MissingPackageError if SciPy, which only comparisons need, is missing."""
-    try:
-        import scipy.stats  # noqa: F401
-    except ImportError as error:
-        raise MissingPackageError(
-            f"comparisons need SciPy: apt-get install python3-scipy, or {pip_install('sweep')} "
-            f"({str(error).splitlines()[0]})"
-        ) from None
+def scipy_stats() -> Any:
+    """The module of SciPy, which only comparisons need.
+
+    Raises:
+        MissingPackageError: it is not installed.
+    """
+    install = f"apt-get install python3-scipy, or {pip_install('sweep')}"
+    return needed_module("scipy.stats", "comparisons need SciPy", install)
 
 
 def compare(first: Runs, second: Runs, name: str, worse: bool = False) -> Comparison:
@@ -79,9 +78,7 @@ def compare(first: Runs, second: Runs, name: str, worse: bool = False) -> Compar
     Raises:
         MissingPackageError: SciPy is missing.
     """
-    require_scipy()
-    from scipy import stats
-
+    stats = scipy_stats()
     metric = SUMMARISED[name]
     pairs = [(first[task].get(name), second[task].get(name)) for task in first if task in second]
     values = [(a, b) for a, b in pairs if a is not None and b is not None]

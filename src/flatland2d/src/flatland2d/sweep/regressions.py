@@ -18,7 +18,7 @@ from flatland2d.sweep.comparison import (
     task_of,
 )
 from flatland2d.sweep.metrics import SUMMARISED
-from flatland_server.config import MAX_IMAGE, read_input
+from flatland_server.config import MAX_IMAGE, read_input, refusal_by
 from flatland_server.exceptions import FlatlandError, listed
 
 LEVEL = 0.01
@@ -61,7 +61,7 @@ def read_rows(path: Path) -> List[Dict[str, str]]:
     """
     file = path / "results.csv" if path.is_dir() else path
     try:
-        text = read_input(file, MAX_IMAGE, _refusal).decode()
+        text = read_input(file, MAX_IMAGE, refusal_by(FlatlandError)).decode()
         rows = list(csv.DictReader(io.StringIO(text, newline=""), strict=True))
     except (csv.Error, UnicodeDecodeError) as error:
         raise FlatlandError(f"{file}: expected results.csv of a sweep: {error}") from None
@@ -127,10 +127,6 @@ def verdicts(
         Verdict(label, name, each._replace(p=p), p <= LEVEL and _is_beyond(each, name, tolerance))
         for (label, name, each), p in zip(found, adjusted)
     ]
-
-
-def _refusal(path: Path, problem: str) -> FlatlandError:
-    return FlatlandError(f"{path}: {problem}")
 
 
 def _tasks(rows: Sequence[TextRow]) -> Set[Task]:

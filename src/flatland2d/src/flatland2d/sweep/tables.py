@@ -12,12 +12,12 @@ from pathlib import Path
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
 
 from flatland2d.sweep.intervals import mean, rate
-from flatland2d.sweep.metrics import SUMMARISED
-from flatland2d.sweep.run import ESTIMATE_ENDS, METRICS
+from flatland2d.sweep.metrics import METRICS, SUMMARISED
+from flatland2d.sweep.run import ESTIMATE_ENDS
 from flatland2d.sweep.runner import Result
 from flatland2d.sweep.settings import Scenario
 from flatland_server.config import replacing
-from flatland_server.exceptions import FlatlandError, MissingPackageError, pip_install
+from flatland_server.exceptions import FlatlandError, needed_module, pip_install
 
 BOOL, INT, FLOAT, STRING = "bool", "int64", "float64", "string"
 
@@ -173,14 +173,11 @@ def parquet(table: Table) -> bytes:
     Raises:
         MissingPackageError: pyarrow is not installed.
     """
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError as error:
-        raise MissingPackageError(
-            f"a Parquet file needs pyarrow: {pip_install('sweep')}, or in a ROS workspace as "
-            f"docs/sweeps.md says under Parquet and Ray ({str(error).splitlines()[0]})"
-        ) from None
+    also = "in a ROS workspace as docs/sweeps.md says under Parquet and Ray"
+    install = f"{pip_install('sweep')}, or {also}"
+    needed_module("pyarrow.parquet", "a Parquet file needs pyarrow", install)
+    import pyarrow.parquet
+
     types = {
         BOOL: pyarrow.bool_(),
         INT: pyarrow.int64(),

@@ -15,7 +15,7 @@ from flatland_server.exceptions import (
     YamlError,
 )
 from flatland_server.models.plugin_config import PluginConfig
-from flatland_server.plugins.plugin import Plugin
+from flatland_server.plugins.plugin import Plugin, plugin_label
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.transport.node import Node
 
@@ -64,9 +64,8 @@ class PluginFactory:
             plugin_class = self._loader.load(config.type, base)
         except PluginError as error:
             raise reader.error(str(error), "type") from error.__cause__
-        label = f"{model_name}/{config.name}" if model_name else config.name
         rng = plugin_rng(self._seed, model_name, config.name)
-        node = self._root_node.scoped(namespace, label)
+        node = self._root_node.scoped(namespace, plugin_label(model_name, config.name))
         node.warn = reader.warn
         try:
             plugin = plugin_class(config.type, config.name, node, rng, subject)  # type: ignore[call-arg]

@@ -26,6 +26,7 @@ from flatland_server.exceptions import (
     listed,
     shortened,
     suggestion,
+    unknown,
 )
 from flatland_server.geometry import Pose
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
@@ -188,9 +189,7 @@ class World:
         for layer in self.layers:
             if name in layer.config.names:
                 return layer
-        hint = suggestion(name, self.registry.names)
-        known = listed(self.registry.names)
-        raise LayerError(f'no layer is named "{shortened(name)}"{hint}; there are: {known}')
+        raise LayerError(unknown("no layer is named", name, self.registry.names))
 
     def get_model(self, name: str) -> Model:
         """The model of this name.

@@ -23,13 +23,8 @@ SECONDS = 0.5
 def check_messages(case: CheckedPlugin) -> Problems:
     """Equal seeds give equal messages, transforms and worlds; a writer's bytes are its message."""
     runs = [case.load(seed=7).go(SECONDS) for _ in range(2)]
-    first, second = (content_of(run) for run in runs)
-    if first != second:
-        different = [f"{a[1]} in step {a[0]}" for a, b in zip(first, second) if a != b]
-        where = (different or ["their number"])[0]
-        yield f"expected equal messages from equal seeds, found a difference in {where}"
-    if state_of(runs[0]) != state_of(runs[1]):
-        yield "expected equal poses and walls from equal seeds, found a difference"
+    first, second = ((content_of(run), state_of(run)) for run in runs)
+    yield from _check_same(first, second, "from equal seeds")
     for topic in sorted(set(runs[0].transport.wrong_data)):
         yield f"expected the MessageWriter of {topic} to make bytes that equal its message"
 
@@ -132,23 +127,24 @@ def check_states(case: CheckedPlugin) -> Problems:
         ends.append((content_of(each.go(SECONDS), *sent), state_of(each)))
     for failure in other.simulation.world.plugin_failures:
         yield f"expected no failure after its state was loaded, found {failure.reason}"
-    yield from _check_same(ends[0], ends[1], "after its state was saved and loaded in a new world")
+    hint = "; get_state returns what a plugin keeps in attributes, and set_state sets it"
+    loaded = "after its state was saved and loaded in a new world"
+    yield from _check_same(ends[0], ends[1], loaded, hint)
     run.simulation.reset()
     run.transport.step = 1
     sent = len(run.transport.events), len(run.transport.sent_transforms)
     again = content_of(run.go(SECONDS), *sent), state_of(run)
-    yield from _check_same((first, began_with), again, "after a reset")
+    yield from _check_same((first, began_with), again, "after a reset", hint)
 
 
-def _check_same(expected: Tuple[Any, Any], found: Tuple[Any, Any], when: str) -> Problems:
+def _check_same(
+    expected: Tuple[Any, Any], found: Tuple[Any, Any], when: str, hint: str = ""
+) -> Problems:
     """Compares contents and states of runs."""
     if expected[0] != found[0]:
         different = [f"{a[1]} in step {a[0]}" for a, b in zip(expected[0], found[0]) if a != b]
         where = (different or ["their number"])[0]
-        yield (
-            f"expected the same messages {when}, found a difference in {where}; "
-            "get_state returns what a plugin keeps in attributes, and set_state sets it"
-        )
+        yield f"expected the same messages {when}, found a difference in {where}{hint}"
     if expected[1] != found[1]:
         yield f"expected the same poses and walls {when}, found a difference"
 

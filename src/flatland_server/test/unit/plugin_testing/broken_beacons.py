@@ -283,8 +283,8 @@ BROKEN: Dict[Callable[[CheckedPlugin], Iterator[str]], Dict[Type[Beacon], str]] 
         StampsWrongly: "expected /point to be stamped with the time, 0 ns, found 1 ns",
     },
     behaviour_checks.check_messages: {
-        IsNotRepeatable: "expected equal messages from equal seeds, found a difference in",
-        MovesAtRandom: "expected equal poses and walls from equal seeds, found a difference",
+        IsNotRepeatable: "expected the same messages from equal seeds, found a difference in",
+        MovesAtRandom: "expected the same poses and walls from equal seeds, found a difference",
         WritesOtherBytes: "expected the MessageWriter of /point to make bytes that equal its",
     },
     behaviour_checks.check_states: {
