@@ -1,7 +1,6 @@
 """A world with all its files as one dict, for programs that change a world before they run it."""
 
 import os
-from contextlib import closing
 from pathlib import Path
 from typing import Any, Dict, Mapping, Optional, Sequence, Union
 
@@ -55,13 +54,13 @@ def content_with(
         world: as for `world_content`.
         folders: folders to look for models in.
     """
-    with closing(YamlPreprocessor(transport.get_param)) as preprocessor:
-        absolute = [folder.absolute() for folder in folders]
-        content = read_world_content(world, preprocessor, absolute)
-        for layer in content.get("layers") or ():
-            if isinstance(layer.get("map"), str):
-                layer["map"] = MapConfig.from_file(Path(layer["map"]), preprocessor).content()
-        return content
+    preprocessor = YamlPreprocessor(transport.get_param)
+    absolute = [folder.absolute() for folder in folders]
+    content = read_world_content(world, preprocessor, absolute)
+    for layer in content.get("layers") or ():
+        if isinstance(layer.get("map"), str):
+            layer["map"] = MapConfig.from_file(Path(layer["map"]), preprocessor).content()
+    return content
 
 
 def read_world_content(

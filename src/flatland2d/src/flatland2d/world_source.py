@@ -1,7 +1,6 @@
 """The ways in which a user names a world: a shipped one, a file, or its content."""
 
 import os
-from contextlib import closing
 from pathlib import Path
 from typing import Any, Mapping, Optional, Sequence, Union
 
@@ -47,17 +46,17 @@ def open_world(
         raise UsageError(f"expected a PluginLoader as loader, found {shown(loader)}")
     if isinstance(source, WorldConfig):
         return World(source, transport, seed=seed, loader=loader or shared_loader())
-    with closing(YamlPreprocessor(transport.get_param, seed)) as preprocessor:
-        read: Any = WorldConfig.from_file
-        content: Any = source
-        if isinstance(source, Mapping):
-            read = WorldConfig.from_content
-        elif isinstance(source, (str, os.PathLike)):
-            content = find_world(source if isinstance(source, str) else Path(source))
-        else:
-            raise UsageError(
-                "expected the name of a world, the path of a world file or a dict, "
-                f"found {shown(source)}"
-            )
-        config = read(content, preprocessor, simplify_map=simplify_map, model_folders=model_folders)
+    preprocessor = YamlPreprocessor(transport.get_param, seed)
+    read: Any = WorldConfig.from_file
+    content: Any = source
+    if isinstance(source, Mapping):
+        read = WorldConfig.from_content
+    elif isinstance(source, (str, os.PathLike)):
+        content = find_world(source if isinstance(source, str) else Path(source))
+    else:
+        raise UsageError(
+            "expected the name of a world, the path of a world file or a dict, "
+            f"found {shown(source)}"
+        )
+    config = read(content, preprocessor, simplify_map=simplify_map, model_folders=model_folders)
     return World(config, transport, seed=seed, loader=loader or shared_loader())

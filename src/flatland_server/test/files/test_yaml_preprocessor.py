@@ -16,17 +16,13 @@ from flatland_server.exceptions import YamlError
 @pytest.fixture
 def read(files):
     """Reads the text of a file into plain values: `read(text, params)`."""
-    preprocessors = []
 
     def read(text: str, params: Any = None) -> Any:
         params = params or {}
         preprocessor = YamlPreprocessor(lambda path, default: params.get(path, default))
-        preprocessors.append(preprocessor)
         return plain(preprocessor.read(files.write("parent.yaml", text)))
 
-    yield read
-    for preprocessor in preprocessors:
-        preprocessor.close()
+    return read
 
 
 def plain(node: yaml.Node) -> Any:

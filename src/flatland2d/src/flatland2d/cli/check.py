@@ -135,8 +135,6 @@ def check(
         return every.lines(lambda problem: problem.with_column)
     except FlatlandError as error:
         return [f"{path}: {error}"]
-    finally:
-        preprocessor.close()
     print(f"{path}: {summary}")
     problems = []
     if picture is not None:

@@ -46,7 +46,6 @@ def replay(
     entry = before.get(Fingerprints(settings).of(scenario)) if before else None
     runner = ScenarioRunner(settings)
     with ExitStack() as stack:
-        stack.callback(runner.close)
         parts: List[RunObserver] = []
         if recording is not None:
             parts.append(_Recording(recording, stack))

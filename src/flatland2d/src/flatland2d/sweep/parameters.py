@@ -142,10 +142,6 @@ class SweepWorlds:
             content = self._read(content)  # again, with the new models and maps
         return content
 
-    def close(self) -> None:
-        """Ends the process that evaluates expressions."""
-        self.preprocessor.close()
-
     def _content_of(self, source: str) -> Dict[str, Any]:
         """The content of a world's files; read again only if they read other parameters."""
         if self._last is not None and self._last[0] == source:

@@ -91,10 +91,6 @@ class ScenarioRunner:
                 observer.on_end(run)
             return result
 
-    def close(self) -> None:
-        """Ends the process that evaluates expressions in the worlds' files."""
-        self._reader.close()
-
     def _open(self, scenario: Scenario) -> Simulation:
         """A simulation of the scenario's world.
 

@@ -34,7 +34,7 @@ class Expressions:
         self.has_environment = True
         """True if expressions may read environment variables."""
         self._place = ""  # file and line of the expression that is being evaluated
-        self.lua = LuaEvaluator({"env": self._env, "param": self._param})
+        self.lua = LuaEvaluator()
         """The process that evaluates them."""
 
     def evaluate(self, node: yaml.ScalarNode, code: str) -> yaml.Node:
@@ -48,8 +48,9 @@ class Expressions:
             YamlError: the expression fails.
         """
         self._place = f"{node.start_mark.name}:{node.start_mark.line + 1}"
+        functions = {"env": self._env, "param": self._param}
         try:
-            value = self.lua.evaluate(code, self._seed_of(node, code))
+            value = self.lua.evaluate(code, functions, self._seed_of(node, code))
         except LuaError as error:
             problem, place = shortened(str(error), 120), shortened(code, 60)
             raise error_at(node, f"$eval: {problem}, in: {place}") from None

@@ -9,7 +9,6 @@ placeholder of the right type; `finish` raises what was noted. Do not use a valu
 """
 
 import math
-from contextlib import closing
 from pathlib import Path
 from typing import Any, Callable, Hashable, List, Optional, Sequence, Set, Tuple, TypeVar, cast
 
@@ -80,10 +79,7 @@ class YamlReader(YamlMap):
         Raises:
             YamlError: it is missing, unreadable, empty, not YAML or not a map.
         """
-        if preprocessor is not None:
-            return cls(preprocessor.read(path))
-        with closing(YamlPreprocessor()) as own:
-            return cls(own.read(path))
+        return cls((preprocessor or YamlPreprocessor()).read(path))
 
     @classmethod
     def from_content(
@@ -100,10 +96,7 @@ class YamlReader(YamlMap):
             FlatlandError: it is no map of plain data, or an expression fails.
         """
         node = to_node(content, name)
-        if preprocessor is not None:
-            return cls(preprocessor.resolve(node))
-        with closing(YamlPreprocessor()) as own:
-            return cls(own.resolve(node))
+        return cls((preprocessor or YamlPreprocessor()).resolve(node))
 
     @classmethod
     def from_text(
@@ -121,10 +114,7 @@ class YamlReader(YamlMap):
             YamlError: it is empty, not YAML or not a map.
         """
         file, root = Path(f"{_TEXT_OF}{name}>"), folder / "text"
-        if preprocessor is not None:
-            return cls(preprocessor.read_text(text, file), root=root)
-        with closing(YamlPreprocessor()) as own:
-            return cls(own.read_text(text, file), root=root)
+        return cls((preprocessor or YamlPreprocessor()).read_text(text, file), root=root)
 
     def again(self) -> "YamlReader":
         """Another reader of the same map, with problems of its own."""

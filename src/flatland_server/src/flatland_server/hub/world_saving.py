@@ -2,7 +2,6 @@
 
 import os
 import threading
-from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Dict, Iterable, List, Tuple
@@ -70,9 +69,9 @@ class WorldSaving:
     ) -> Tuple[bytes, Dict[str, Any]]:
         """The new text of a world's file, and the value that it should have."""
         assert config.path is not None
-        with self._preprocessor() as preprocessor:
-            config.read_again(None, preprocessor)  # it is still a world
-            root = preprocessor.read(config.path)
+        preprocessor = self._preprocessor()
+        config.read_again(None, preprocessor)  # it is still a world
+        root = preprocessor.read(config.path)
         text = WorldFileText(config.path, root)
         folders = (path.parent, *config.model_folders[1:])
         added = [
@@ -120,8 +119,7 @@ class WorldSaving:
     def _is_as(self, path: Path, expected: Dict[str, Any], is_moved: bool) -> bool:
         """True if a file has a value."""
         try:
-            with self._preprocessor() as preprocessor:
-                found = plain(preprocessor.read(path))
+            found = plain(self._preprocessor().read(path))
         except YamlError:
             return False
         return _comparable(found, is_moved) == _comparable(expected, is_moved)
@@ -130,8 +128,7 @@ class WorldSaving:
         """Checks that a world file can be loaded, and has the models of a world."""
         assert new.path is not None
         try:
-            with self._preprocessor() as preprocessor:
-                models = new.read_again(path, preprocessor).models
+            models = new.read_again(path, self._preprocessor()).models
         except YamlError as error:
             raise YamlError.of(
                 replace(each, file=new.path) if each.file == path else each
@@ -155,10 +152,8 @@ class WorldSaving:
         if manager.history is not None:
             manager.history.restart()  # its states are of the former file
 
-    def _preprocessor(self) -> "closing[YamlPreprocessor]":
-        return closing(
-            YamlPreprocessor(self._manager.transport.get_param, self._manager.world.seed)
-        )
+    def _preprocessor(self) -> YamlPreprocessor:
+        return YamlPreprocessor(self._manager.transport.get_param, self._manager.world.seed)
 
 
 def _kinds(models: Iterable[ModelEntry]) -> List[Tuple[str, ...]]:

@@ -6,7 +6,7 @@ run.step()
 
 import logging
 import time
-from contextlib import closing, suppress
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Callable, Dict, List, Optional, Sequence, Set, Tuple
@@ -118,10 +118,10 @@ class World:
             FlatlandError: a model cannot be created, or a plugin does not start.
         """
         transport = transport if transport is not None else LocalTransport()
-        with closing(YamlPreprocessor(transport.get_param, seed)) as preprocessor:
-            config = WorldConfig.from_file(
-                path, preprocessor, simplify_map=simplify_map, model_folders=model_folders
-            )
+        preprocessor = YamlPreprocessor(transport.get_param, seed)
+        config = WorldConfig.from_file(
+            path, preprocessor, simplify_map=simplify_map, model_folders=model_folders
+        )
         return cls(config, transport, seed=seed, loader=loader)
 
     def twin(self, transport: Transport) -> "World":
@@ -252,8 +252,8 @@ class World:
         Raises:
             FlatlandError: there is no such file, or something in it is wrong.
         """
-        with closing(YamlPreprocessor(self.transport.get_param, self.seed)) as preprocessor:
-            return self.config.read_model(path, preprocessor)
+        preprocessor = YamlPreprocessor(self.transport.get_param, self.seed)
+        return self.config.read_model(path, preprocessor)
 
     def read_model_entry(
         self, path: ModelSource, name: str, namespace: str, pose: PoseLike
@@ -426,8 +426,8 @@ class World:
             FlatlandError: something in them is wrong, or the world was made without a file.
         """
         read_at = time.monotonic()
-        with closing(YamlPreprocessor(self.transport.get_param, self.seed)) as preprocessor:
-            return replace(self.config.read_again(path, preprocessor), read_at=read_at)
+        preprocessor = YamlPreprocessor(self.transport.get_param, self.seed)
+        return replace(self.config.read_again(path, preprocessor), read_at=read_at)
 
     def rebuild(
         self, config: WorldConfig, seed: int, restore: Callable[[], None] = lambda: None
