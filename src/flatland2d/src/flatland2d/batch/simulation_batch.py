@@ -222,7 +222,7 @@ class SimulationBatch:
     @property
     def worlds_differ(self) -> bool:
         """True if environments have worlds of their own, as with a RandomWall."""
-        return self._plugins.worlds_differ
+        return bool(self._plugins.worlds)
 
     @property
     def step_size(self) -> float:
@@ -549,7 +549,7 @@ class SimulationBatch:
                 parts,
                 seed=int(self._seeds[k]),
                 nanoseconds=int(self._steps[k]) * self._step_nanoseconds,
-                plugins=self._plugins.states(k),
+                plugins=self._plugins.motions.states(k),
                 physics=core.save_state(k),
                 own_walls=own.get(k),
                 vary=self._variation.of(k),
@@ -645,7 +645,7 @@ class SimulationBatch:
         Raises:
             UsageError: there is no such environment, or the batch is closed.
         """
-        if self._plugins.worlds_differ:
+        if self._plugins.worlds:
             self._load_one(index)
         else:
             self._require_open()
@@ -686,7 +686,7 @@ class SimulationBatch:
         if self._core is not None:
             self._core = None
             self._world.close()
-            self._plugins.close()
+            self._plugins.worlds.close()
             self._view.close()
 
     def __enter__(self) -> "SimulationBatch":

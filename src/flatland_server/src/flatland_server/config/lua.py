@@ -12,7 +12,7 @@ import sys
 import time
 import weakref
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional
 
 if TYPE_CHECKING:
     import subprocess
@@ -23,7 +23,7 @@ _ANSWER_LIMIT = 30.0  # s of real time until the worker answers, on a busy machi
 _WORKER = Path(__file__).with_name("lua_worker.py")
 
 
-Functions = Dict[str, Callable[[List[Any]], Any]]
+Functions = Mapping[str, Callable[[List[Any]], Any]]
 
 
 class LuaError(Exception):

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any, Dict, Iterable, List, Tuple
 
 from flatland_server.config.input_files import replacing
-from flatland_server.config.world_file_text import NewEntry, WorldFileText, plain
+from flatland_server.config.plain_nodes import to_content
+from flatland_server.config.world_file_text import NewEntry, WorldFileText
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.exceptions import FlatlandError, YamlError, counted, listed
 from flatland_server.hub.client_edits import Changes
@@ -78,7 +79,7 @@ class WorldSaving:
             NewEntry(entry.name, entry.namespace, _name_of(entry, folders), entry.pose)
             for entry in changes.added
         ]
-        value = plain(root)
+        value = to_content(root)
         models = filter(_is_enabled, value.get("models") or [])
         former = {model["name"]: model.get("pose") for model in models}
         text.change_models(
@@ -119,7 +120,7 @@ class WorldSaving:
     def _is_as(self, path: Path, expected: Dict[str, Any], is_moved: bool) -> bool:
         """True if a file has a value."""
         try:
-            found = plain(self._preprocessor().read(path))
+            found = to_content(self._preprocessor().read(path))
         except YamlError:
             return False
         return _comparable(found, is_moved) == _comparable(expected, is_moved)
