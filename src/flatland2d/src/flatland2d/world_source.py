@@ -8,7 +8,7 @@ from flatland_server.arguments import shown
 from flatland_server.config import YamlPreprocessor, find_world
 from flatland_server.exceptions import UsageError
 from flatland_server.maps import TOLERANCES
-from flatland_server.plugins import PluginLoader, shared_loader
+from flatland_server.plugins import PluginLoader
 from flatland_server.simulation import World, WorldConfig
 from flatland_server.transport import Transport
 
@@ -45,7 +45,7 @@ def open_world(
     if not isinstance(loader, (PluginLoader, type(None))):
         raise UsageError(f"expected a PluginLoader as loader, found {shown(loader)}")
     if isinstance(source, WorldConfig):
-        return World(source, transport, seed=seed, loader=loader or shared_loader())
+        return World(source, transport, seed=seed, loader=loader)
     preprocessor = YamlPreprocessor(transport.get_param, seed)
     read: Any = WorldConfig.from_file
     content: Any = source
@@ -59,4 +59,4 @@ def open_world(
             f"found {shown(source)}"
         )
     config = read(content, preprocessor, simplify_map=simplify_map, model_folders=model_folders)
-    return World(config, transport, seed=seed, loader=loader or shared_loader())
+    return World(config, transport, seed=seed, loader=loader)

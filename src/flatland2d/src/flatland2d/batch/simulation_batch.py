@@ -45,7 +45,7 @@ from flatland_server.arguments import (
 )
 from flatland_server.arrays import ArrayLike, BoolArray, FloatArray, IntArray
 from flatland_server.exceptions import StateError, UsageError
-from flatland_server.plugins import PluginLoader, shared_loader
+from flatland_server.plugins import PluginLoader
 from flatland_server.simulation import World, WorldConfig, WorldState, saved_states
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport import LocalTransport
@@ -719,9 +719,8 @@ class SimulationBatch:
 
     def _load(self, config: WorldConfig, seed: Optional[int] = None) -> World:
         """A world; with the seed of environment 0, unless another one is given."""
-        transport, loader = LocalTransport(self._params, ()), self._loader or shared_loader()
         own = int(self._seeds[0]) if seed is None else seed
-        return World(config, transport, seed=own, loader=loader)
+        return World(config, LocalTransport(self._params, ()), seed=own, loader=self._loader)
 
     def _rows(self, out: Optional[BatchObservation]) -> BatchObservation:
         if out is None:

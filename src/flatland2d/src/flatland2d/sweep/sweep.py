@@ -17,16 +17,16 @@ from typing import (
     Iterator,
     List,
     NamedTuple,
-    Protocol,
     Tuple,
-    TypeVar,
+    Union,
 )
 
 from flatland2d.sweep.comparison import comparison_rows
 from flatland2d.sweep.fingerprints import Fingerprints
-from flatland2d.sweep.local_pool import Done
+from flatland2d.sweep.local_pool import LocalPool
 from flatland2d.sweep.metrics import SUMMARISED
 from flatland2d.sweep.paper import figure, latex_table, markdown_table, with_metrics
+from flatland2d.sweep.ray_pool import RayPool
 from flatland2d.sweep.regressions import read_rows
 from flatland2d.sweep.report import draw, report_html, unsuccessful
 from flatland2d.sweep.runner import Result, ScenarioRunner
@@ -49,19 +49,8 @@ _HEADER = b'{"format": "flatland sweep 1"}\n'
 _CHECKSUM = b', "crc32": '
 """Separates the content of a line from its CRC-32."""
 
-T = TypeVar("T")
 
-
-class Pool(Protocol):
-    """The interface of `LocalPool` and `RayPool`."""
-
-    def map(
-        self, function: Callable[[ScenarioRunner, Scenario], T], scenarios: Iterable[Scenario]
-    ) -> Iterator[Done[T]]:
-        """Calls a function with each scenario; yields each when it is done, in any order."""
-
-    def close(self) -> None:
-        """Stops all workers at once."""
+Pool = Union[LocalPool, RayPool]
 
 
 class Written(NamedTuple):

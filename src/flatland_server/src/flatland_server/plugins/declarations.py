@@ -27,9 +27,7 @@ found twice counts once.
 import logging
 import os
 import re
-import sys
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import Dict, Iterator, List, Set, Tuple, Type
 
@@ -183,23 +181,7 @@ def read_declarations(package: str, xml: Path) -> List[PluginDeclaration]:
 
 
 def entry_point_plugins() -> List[PluginDeclaration]:
-    """The plugins of the packages on sys.path; a faulty declaration is logged.
-
-    They are looked up again only if sys.path or the contents of a folder on it have changed.
-    """
-    return list(_entry_point_plugins(tuple((path, _revision(path)) for path in sys.path)))
-
-
-def _revision(path: str) -> int:
-    """A value that changes when a package is installed into a folder, or removed."""
-    try:
-        return os.stat(path or ".").st_mtime_ns
-    except OSError:
-        return 0
-
-
-@lru_cache(maxsize=1)
-def _entry_point_plugins(_: Tuple[Tuple[str, int], ...]) -> Tuple[PluginDeclaration, ...]:
+    """The plugins of the packages on sys.path; a faulty declaration is logged."""
     from importlib import metadata  # takes 10 ms
 
     # Not metadata.entry_points(): it parses the entry points of all packages before Python 3.10.
@@ -209,7 +191,7 @@ def _entry_point_plugins(_: Tuple[Tuple[str, int], ...]) -> Tuple[PluginDeclarat
         if f"[{GROUP}]" in text:
             name = distribution.metadata["Name"]
             packages.setdefault(name, list(_read_declarations(name, text)))  # the first on the path
-    return tuple(declaration for _, found in sorted(packages.items()) for declaration in found)
+    return [declaration for _, found in sorted(packages.items()) for declaration in found]
 
 
 def _read_declarations(distribution: str, text: str) -> Iterator[PluginDeclaration]:

@@ -10,6 +10,7 @@ from weakref import WeakValueDictionary
 
 import numpy as np
 
+from flatland_server.array_math import from_segments
 from flatland_server.arrays import FloatArray
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import PLUGIN_ERRORS, listed
@@ -239,9 +240,7 @@ def _gap(footprint: Footprint, point: Point) -> float:
     shape = footprint.shape
     if isinstance(shape, Circle):
         return abs(math.dist(shape.center, point) - shape.radius)
-    starts = np.array(shape.vertices)
-    sides = np.roll(starts, -1, axis=0) - starts
-    ways = np.array(point) - starts
-    squares = np.maximum((sides * sides).sum(1), 1e-12)  # a point may be there twice
-    along = np.clip((ways * sides).sum(1) / squares, 0.0, 1.0)
-    return float(np.hypot(*(ways - along[:, None] * sides).T).min())
+    starts = np.array(shape.vertices, dtype=float)
+    sides = np.hstack([starts, np.roll(starts, -1, axis=0)])
+    away = from_segments(np.array([point]), sides)
+    return float(np.hypot(away[..., 0], away[..., 1]).min())

@@ -35,7 +35,7 @@ from flatland_server.models.layer import Layer
 from flatland_server.models.model import Model, ModelConfig
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin import Plugin
-from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.plugins.plugin_loader import PluginLoader, shared_loader
 from flatland_server.plugins.plugin_manager import PluginFailure, PluginRevision
 from flatland_server.simulation import plugin_state
 from flatland_server.simulation.load_warnings import warn_of_sensors, warn_of_traps
@@ -81,7 +81,7 @@ class World:
     ) -> None:
         self.plugin_revision = PluginRevision()
         self.transport: Transport = transport if transport is not None else LocalTransport()
-        self._loader = loader or PluginLoader()
+        self._loader = loader or shared_loader()
         self.contents = WorldContents(
             config, seed, self.transport, self._loader, self.plugin_revision
         )

@@ -1,59 +1,36 @@
 """A check of a plugin's drawing in pictures. It yields the problems that it finds."""
 
-from typing import Any, Optional
+import inspect
+from typing import Any, Callable
 
 import numpy as np
 
-from flatland_server.canvas import Canvas, Points, Rgba
-from flatland_server.geometry import Point
+from flatland_server.canvas import Canvas
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.testing.behaviour_checks import SECONDS, Problems, content_of, state_of
 from flatland_server.testing.checked_plugin import CheckedPlugin
 
+_COLUMNS = {"corners": 2, "points": 2, "center": 2, "point": 2, "segments": 4}
+"""The numbers of a row, by the names of a canvas's parameters."""
 
-class CheckingCanvas(Canvas):
-    """Draws nothing, and raises the errors that a picture raises for wrong shapes and colours."""
-
-    def area(
-        self,
-        corners: Points,
-        fill: Optional[Rgba] = None,
-        outline: Optional[Rgba] = None,
-        width: float = 1.0,
-    ) -> None:
-        _check(corners, 2, fill, outline, width)
-
-    def disc(
-        self,
-        center: Point,
-        radius: float,
-        fill: Optional[Rgba] = None,
-        outline: Optional[Rgba] = None,
-        width: float = 1.0,
-    ) -> None:
-        _check([center], 2, fill, outline, radius, width)
-
-    def lines(self, segments: Any, color: Rgba, width: float = 1.0) -> None:
-        _check(segments, 4, color, None, width)
-
-    def path(self, points: Points, color: Rgba, width: float = 1.0) -> None:
-        _check(points, 2, color, None, width)
-
-    def dots(self, points: Points, color: Rgba, size: float = 3.0) -> None:
-        _check(points, 2, color, None, size)
-
-    def label(self, point: Point, text: str, color: Rgba) -> None:
-        _check([point], 2, color, None, len(text))
+_COLORS = ("fill", "outline", "color")
 
 
-def _check(
-    rows: Any, columns: int, color: Optional[Rgba], other: Optional[Rgba], *lengths: float
-) -> None:
-    np.asarray(rows, dtype=float).reshape(-1, columns)
-    for each in (color, other):
-        if each is not None:
-            np.asarray(each, dtype=float).reshape(4)
-    np.asarray(lengths, dtype=float)
+class CheckingCanvas:
+    """A `Canvas` that draws nothing, and raises the errors of wrong shapes and colours."""
+
+    def __getattr__(self, name: str) -> Callable[..., None]:
+        signature = inspect.signature(getattr(Canvas, name))
+
+        def draw(*arguments: Any, **named: Any) -> None:
+            _, *given = signature.bind(self, *arguments, **named).arguments.items()
+            for parameter, value in given:
+                if parameter in _COLORS:
+                    np.asarray((0.0,) * 4 if value is None else value, dtype=float).reshape(4)
+                elif parameter != "text":
+                    np.asarray(value, dtype=float).reshape(-1, _COLUMNS.get(parameter, 1))
+
+        return draw
 
 
 def check_drawing(case: CheckedPlugin) -> Problems:
@@ -64,8 +41,9 @@ def check_drawing(case: CheckedPlugin) -> Problems:
     if all(type(plugin).draw is Plugin.draw for plugin in plugins):
         return
     runs[1].simulation.allow_failures = True
+    canvas: Any = CheckingCanvas()
     for _ in range(3):
-        world.contents.plugins.draw(CheckingCanvas(), runs[1].simulation.timekeeper)
+        world.contents.plugins.draw(canvas, runs[1].simulation.timekeeper)
         for run in runs:
             run.go(SECONDS / 5)
     for failure in world.plugin_failures:
