@@ -204,7 +204,7 @@ class SimulationBatch:
         self._plugins.begin(core, None, self._seeds)
         varies = self._world.config.with_seed or any(each.role.varies_by_seed for each in roles)
         self._only_seed = origin.seed if origin is not None and varies else None
-        self._noise = BatchNoises(self._robots, self._shape, self._variation.noises)
+        self._noise = BatchNoises(self._robots, self._num_envs, self._variation.noises)
         self._spaces = FreeSpaces(self._world, self._robots)
 
     # Facts
@@ -336,7 +336,7 @@ class SimulationBatch:
         def step(commands: FloatArray) -> None:
             plugins.load(core, None, self._seeds, self._steps)
             plugins.step(core, None, None, commands, substeps, self._steps, arrays)
-            self._add_noise(out, None, None)
+            self._add_noise(out, None)
 
         return step
 
@@ -364,7 +364,7 @@ class SimulationBatch:
             self._seeds[:] = seeds
             plugins.begin(core, None, self._seeds)
             self._noise.restart(range(self._num_envs))
-            self._add_noise(out, None, None)
+            self._add_noise(out, None)
 
         return restart
 
@@ -771,14 +771,12 @@ class SimulationBatch:
             return
         where = True if mask is None else mask
         np.multiply(self._steps * self._step_nanoseconds, 1e-9, out=rows.times, where=where)
-        self._add_noise(rows, mask, driven)
+        self._add_noise(rows, driven)
 
-    def _add_noise(
-        self, rows: BatchObservation, mask: Optional[BoolArray], driven: Optional[BoolArray]
-    ) -> None:
+    def _add_noise(self, rows: BatchObservation, driven: Optional[BoolArray]) -> None:
         if self._noise:
             nanoseconds = self._steps * self._step_nanoseconds
-            self._noise.add(rows.ranges, self._seeds, nanoseconds, mask, driven)
+            self._noise.add(rows.ranges, self._seeds, nanoseconds, driven)
 
     def _change_seeds(self, seeds: Optional[IntArray], mask: Optional[BoolArray]) -> None:
         if seeds is None:

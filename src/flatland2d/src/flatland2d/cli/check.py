@@ -6,7 +6,7 @@ A file is a world, a model or a map: its keys tell which.
 import argparse
 import sys
 from pathlib import Path
-from typing import Any, Dict, List, NamedTuple, Optional, Sequence
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from flatland2d.cli.arguments import Subparsers, add_sources
 from flatland2d.cli.plugin_problems import plugin_problems
 from flatland2d.rendering.renderer import Renderer, save
 from flatland_server.config import YamlPreprocessor, YamlReader, shipped_worlds, to_path
-from flatland_server.exceptions import FlatlandError, YamlError
+from flatland_server.exceptions import FlatlandError, YamlError, counted
 from flatland_server.geometry import Pose
 from flatland_server.maps import MapConfig
 from flatland_server.models import AnyLayer, CollisionFilterRegistry, LayerConfig, ModelConfig
@@ -31,19 +31,12 @@ _WORLD_KEYS = ("properties", "layers", "models")
 _MAP_KEYS = ("image", "data", "resolution", "scale", "origin", "occupied_thresh")
 
 
-class Loaded(NamedTuple):
-    """A file that is valid: the world that it makes, and a line about it."""
-
-    world: World
-    summary: str
-
-
 def load(
     path: Path,
     preprocessor: YamlPreprocessor,
     model_folders: Sequence[Path] = (),
     transport: Optional[Transport] = None,
-) -> Loaded:
+) -> Tuple[World, str]:
     """Loads a world file; or a model or map file, into an otherwise empty world.
 
     Args:
@@ -51,6 +44,9 @@ def load(
         preprocessor: evaluates the expressions in the file.
         model_folders: where models are looked up that are not beside the world file.
         transport: for the plugins; by default one without parameters.
+
+    Returns:
+        The world that the file makes, and a line about it.
 
     Raises:
         FlatlandError: something in the files is wrong, or the file is none of these.
@@ -61,7 +57,7 @@ def load(
     if any(map(reader.has, _WORLD_KEYS)):
         config = WorldConfig.read(reader, preprocessor, model_folders=model_folders)
         world = World(config, transport)
-        return Loaded(world, _contents(world))
+        return world, _contents(world)
     if any(map(reader.has, _MAP_KEYS)):
         return _load_map(path, preprocessor)
     raise reader.error(
@@ -70,15 +66,17 @@ def load(
     )
 
 
-def _load_model(path: Path, reader: YamlReader, transport: Optional[Transport]) -> Loaded:
+def _load_model(
+    path: Path, reader: YamlReader, transport: Optional[Transport]
+) -> Tuple[World, str]:
     registry = AnyLayer()
     model = ModelConfig.read(reader, registry)
     entry = ModelEntry(path.name.split(".")[0], "", Pose(), model)
     world = World(WorldConfig(10, 10, registry, (), (entry,), ()), transport)
-    return Loaded(world, _contents(world))
+    return world, _contents(world)
 
 
-def _load_map(path: Path, preprocessor: YamlPreprocessor) -> Loaded:
+def _load_map(path: Path, preprocessor: YamlPreprocessor) -> Tuple[World, str]:
     segments = MapConfig.from_file(path, preprocessor).walls()
     registry = CollisionFilterRegistry()
     layer = LayerConfig((_MAP_NAME,), registry.register(_MAP_NAME), _MAP_COLOR, 0.0, 1.0, path)
@@ -86,24 +84,21 @@ def _load_map(path: Path, preprocessor: YamlPreprocessor) -> Loaded:
     corners = segments.reshape(-1, 2)
     width, height = np.ptp(corners, axis=0) if len(corners) else (0.0, 0.0)
     size = f"{width:.4g} x {height:.4g} m"
-    return Loaded(world, f"a map of {_count(len(segments), 'segment')}, {size}")
+    return world, f"a map of {counted(len(segments), 'segment')}, {size}"
 
 
 def _contents(world: World) -> str:
     """The numbers of layers, models and other parts of a world."""
     models = world.models.values()
+    bodies = sum(len(model.bodies) for model in models)
     counts = (
-        _count(len(world.layers), "layer"),
-        _count(sum(len(layer.segments) for layer in world.layers), "segment"),
-        _count(len(models), "model"),
-        _count(sum(len(model.bodies) for model in models), "body", "bodies"),
-        _count(world.plugin_count, "plugin"),
+        counted(len(world.layers), "layer"),
+        counted(sum(len(layer.segments) for layer in world.layers), "segment"),
+        counted(len(models), "model"),
+        "1 body" if bodies == 1 else f"{bodies} bodies",
+        counted(world.plugin_count, "plugin"),
     )
     return ", ".join(counts)
-
-
-def _count(number: int, noun: str, plural: str = "") -> str:
-    return f"{number} {noun if number == 1 else plural or noun + 's'}"
 
 
 def check(

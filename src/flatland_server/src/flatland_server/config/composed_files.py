@@ -14,7 +14,7 @@ import yaml
 
 from flatland_server.config.input_files import MAX_YAML, read_input, too_large
 from flatland_server.config.syntax_errors import syntax_error
-from flatland_server.config.yaml_map import warn_once
+from flatland_server.config.yaml_map import error_at, warn_once
 from flatland_server.config.yaml_values import is_null
 from flatland_server.exceptions import YamlError, shortened
 
@@ -125,15 +125,15 @@ def _checked_structure(path: Path, text: str, count_before: int) -> Tuple[int, b
     for event in yaml.parse(_named(text, path), Loader=_LOADER):
         if isinstance(event, yaml.ScalarEvent):
             if event.tag or event.anchor or "$" in event.value or event.value == "<<":
-                _warn_of_tag(path, event)
+                _warn_of_tag(event)
                 is_plain = False
         elif isinstance(event, yaml.CollectionStartEvent):
             if event.tag or event.anchor:
-                _warn_of_tag(path, event)
+                _warn_of_tag(event)
                 is_plain = False
             depth += 1
             if depth > MAX_DEPTH:
-                raise _error_at(path, event, f"expected at most {MAX_DEPTH} levels, found more")
+                raise error_at(event, f"expected at most {MAX_DEPTH} levels, found more")
         elif isinstance(event, yaml.AliasEvent):
             is_plain = False
         else:
@@ -143,20 +143,15 @@ def _checked_structure(path: Path, text: str, count_before: int) -> Tuple[int, b
         count += 1
         if count_before + count > MAX_VALUES:
             problem = f"expected at most {MAX_VALUES} keys and values, found more"
-            raise _error_at(path, event, problem)
+            raise error_at(event, problem)
     return count, is_plain and count <= MAX_ITEMS
 
 
-def _warn_of_tag(path: Path, event: Union[yaml.ScalarEvent, yaml.CollectionStartEvent]) -> None:
+def _warn_of_tag(event: Union[yaml.ScalarEvent, yaml.CollectionStartEvent]) -> None:
     """Warns of a tag that is none of YAML's own, such as `!degrees`."""
     tag = event.tag or "!"
     if tag.startswith("!") and tag != "!":
-        warn_once(str(_error_at(path, event, f'the tag "{shortened(tag, 40)}" is ignored')))
-
-
-def _error_at(path: Path, event: yaml.Event, problem: str) -> YamlError:
-    mark = event.start_mark
-    return YamlError(path, problem, mark.line + 1, mark.column + 1)
+        warn_once(str(error_at(event, f'the tag "{shortened(tag, 40)}" is ignored')))
 
 
 def _named(text: str, path: Path) -> io.StringIO:

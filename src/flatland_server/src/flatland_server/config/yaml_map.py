@@ -4,7 +4,7 @@ import logging
 import math
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterable, List, Optional, Set
+from typing import Any, Callable, Dict, Iterable, List, Optional, Set, Union
 
 import yaml
 
@@ -19,6 +19,9 @@ logger = logging.getLogger(__name__)
 
 _KEYS_OF_FORKS = {"flipped": "upside_down"}
 """Keys of other Flatlands' plugins, and those that do the same here: docs/coming_from_cpp.md."""
+
+Written = Union[yaml.Node, yaml.Event]
+"""A part of a file, with its place."""
 
 REQUIRED: Any = object()
 """As a default: the key must be given."""
@@ -297,7 +300,7 @@ def check_topic_name(reader: YamlMap, key: str, name: str) -> None:
         reader.problem(problem, key)
 
 
-def file_of(node: yaml.Node) -> Path:
+def file_of(node: Written) -> Path:
     """The file that a node is written in."""
     return _path(node.start_mark.name)
 
@@ -308,7 +311,7 @@ def _path(name: str) -> Path:
     return Path(name)
 
 
-def error_at(node: yaml.Node, message: str, path: str = "") -> YamlError:
+def error_at(node: Written, message: str, path: str = "") -> YamlError:
     """An error at a node.
 
     Args:

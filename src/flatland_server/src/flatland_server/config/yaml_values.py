@@ -20,8 +20,6 @@ T = TypeVar("T")
 LARGEST = 1e9
 """The largest magnitude of a number: physics is computed in single precision."""
 
-_INFINITY = {"inf", ".inf", "+inf", "+.inf"}
-_MINUS_INFINITY = {"-inf", "-.inf"}
 _TRUE = {"true", "yes", "on", "y"}
 _FALSE = {"false", "no", "off", "n"}
 
@@ -92,10 +90,8 @@ def to_int(node: yaml.Node) -> int:
 def to_float(node: yaml.Node) -> float:
     """A number or infinity, in YAML's spelling or Python's; not NaN."""
     text = node.value if isinstance(node, yaml.ScalarNode) else ""
-    if text.lower() in _INFINITY:
-        return math.inf
-    if text.lower() in _MINUS_INFINITY:
-        return -math.inf
+    if text.lower() in (".inf", "+.inf", "-.inf"):
+        text = text.replace(".", "")
     try:
         value = float(text.replace("_", "?"))  # float() takes 1_0 for 10
     except ValueError:

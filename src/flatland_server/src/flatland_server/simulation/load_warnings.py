@@ -10,7 +10,7 @@ from weakref import WeakValueDictionary
 
 import numpy as np
 
-from flatland_server.array_math import from_segments
+from flatland_server.array_math import from_segments, is_enclosed
 from flatland_server.arrays import FloatArray
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import PLUGIN_ERRORS, listed
@@ -123,11 +123,7 @@ def _is_in_dark_area(layer: Entity, model: Model) -> bool:
     solid = [each for each in model.base.config.footprints if not each.sensor]
     if not any(each.layer_bits & layer.config.bits for each in solid):
         return False
-    (x, y), (x1, y1, x2, y2) = model.base.pose[:2], layer.segments.T
-    rows = np.flatnonzero((y1 > y) != (y2 > y))
-    x1, y1, x2, y2 = (each[rows] for each in (x1, y1, x2, y2))
-    crossings = x1 + (y - y1) / (y2 - y1) * (x2 - x1) > x  # to the right
-    return bool(np.count_nonzero(crossings) % 2)
+    return is_enclosed(model.base.pose[:2], layer.segments)
 
 
 def warn_of_sensors(config: ModelConfig, plugins: Sequence[Plugin]) -> None:
