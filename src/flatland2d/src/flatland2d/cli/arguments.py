@@ -10,9 +10,9 @@ from typing import Any, Callable, Dict, Iterator, Tuple
 
 import yaml
 
-from flatland2d.cli.completion import FILES
 from flatland2d.simulation import Simulation
 from flatland_server.config import LARGEST
+from flatland_server.exceptions import needed_module
 
 INTERRUPTED = 130
 """The exit code of a program ended by Ctrl-C, as in shells."""
@@ -165,3 +165,20 @@ def _number(text: str, holds: Callable[[float], bool], expected: str) -> float:
     except (OverflowError, ValueError):
         pass
     raise argparse.ArgumentTypeError(f'expected {expected}, found "{text}"')
+
+
+SHELLS = ("bash", "zsh")
+
+FILES = {"bash": "_shtab_compgen_files", "zsh": "_files"}
+"""As the attribute `complete` of an argument: it is completed by names of files."""
+
+
+class PrintCompletion(argparse.Action):
+    """Prints a script for a shell, and ends the process."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *arguments: Any, **_: Any) -> None:
+        """Prints the script for the shell that the option names."""
+        install = "pip install shtab, or apt install python3-shtab"
+        shtab = needed_module("shtab", "completion needs shtab", install)
+        print(shtab.complete(parser, shell=arguments[1]))
+        parser.exit()

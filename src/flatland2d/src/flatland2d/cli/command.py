@@ -10,8 +10,7 @@ import sys
 from typing import List, Optional
 
 from flatland2d.cli import check, map_to_lines, recover, render, run, serve, sweep, view, worlds
-from flatland2d.cli.arguments import INTERRUPTED
-from flatland2d.cli.completion import SHELLS, PrintCompletion
+from flatland2d.cli.arguments import INTERRUPTED, SHELLS, PrintCompletion
 from flatland_server._core import __version__
 from flatland_server.exceptions import FlatlandError, YamlError
 

@@ -131,7 +131,7 @@ def test_walls_are_drawn_once_for_all_pictures(simulation, monkeypatch):
     drawn = []
     draw = rendering.scene.draw_walls
     monkeypatch.setattr(
-        "flatland2d.rendering.tiles.draw_walls",
+        "flatland2d.rendering.renderer.draw_walls",
         lambda *arguments: (drawn.append(1), draw(*arguments)),
     )
     view = renderer.view((300, 300))
