@@ -111,7 +111,7 @@ class LuaEvaluator:
         self._unread = b""
         # Started by its file, so that it does not import the package and its dependencies. Isolated
         # (-I), so that it imports nothing from the working directory or from PYTHONPATH.
-        command = [sys.executable or "/usr/bin/python3", "-I", str(_WORKER), str(os.getpid())]
+        command = [sys.executable or "/usr/bin/python3", "-I", str(_WORKER)]
         self._worker = subprocess.Popen(
             command,
             stdin=subprocess.PIPE,
