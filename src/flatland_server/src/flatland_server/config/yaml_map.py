@@ -12,7 +12,7 @@ from flatland_server.config.plain_nodes import NO_LINE, to_content
 from flatland_server.config.problem_collector import ProblemCollector
 from flatland_server.config.ros_names import topic_name_problem
 from flatland_server.config.syntax_errors import other_indentation
-from flatland_server.config.yaml_values import ConversionError, EntryError, describe, is_null
+from flatland_server.config.yaml_values import ConversionError, describe, is_null
 from flatland_server.exceptions import YamlError, shortened, suggestion
 
 logger = logging.getLogger(__name__)
@@ -251,13 +251,11 @@ class YamlMap:
             raise self._missing(key)
         try:
             return converter(self._values[key])
-        except EntryError as error:
-            place = f"{self._path_of(key)}[{error.index}]"
-            message = f"expected {error}, found {describe(error.node)}"
-            raise error_at(error.node, message, place) from None
         except ConversionError as error:
-            found = describe(self._values[key])
-            raise self.error(f"expected {error}, found {found}", key) from None
+            node, place = self._values[key], self._path_of(key)
+            if error.index is not None:
+                node, place = node.value[error.index], f"{place}[{error.index}]"
+            raise error_at(node, f"expected {error}, found {describe(node)}", place) from None
 
     def _get(
         self, key: str, default: Any, converter: Callable[[yaml.Node], Any], placeholder: Any

@@ -62,21 +62,6 @@ class PluginDeclaration:
     namespace: str = ""
 
     @classmethod
-    def named(
-        cls, full_name: str, package: str, class_path: str, is_cpp: bool = False
-    ) -> "PluginDeclaration":
-        """The declaration of a name that may be in a namespace, as those of pluginlib are.
-
-        Args:
-            full_name: such as `ConstVelocity` or `my_namespace::ConstVelocity`.
-            package: as for the class.
-            class_path: as for the class.
-            is_cpp: as for the class.
-        """
-        namespace, _, name = full_name.rpartition("::")
-        return cls(name, package, class_path, is_cpp, namespace)
-
-    @classmethod
     def of(cls, plugin: Type[Plugin]) -> "PluginDeclaration":
         """The declaration of a class that no package exports, under its own name.
 
@@ -175,8 +160,9 @@ def read_declarations(package: str, xml: Path) -> List[PluginDeclaration]:
         is_cpp = "::" in class_path
         if "." not in class_path and not is_cpp:
             raise ValueError(f'{xml}: expected type="module.Class", found "{class_path}"')
-        name = "::".join(_SEPARATOR.split(element.get("name", class_path)))
-        declarations.append(PluginDeclaration.named(name, package, class_path, is_cpp))
+        *namespaces, name = _SEPARATOR.split(element.get("name", class_path))
+        namespace = "::".join(namespaces)
+        declarations.append(PluginDeclaration(name, package, class_path, is_cpp, namespace))
     return declarations
 
 
@@ -205,16 +191,16 @@ def _read_declarations(distribution: str, text: str) -> Iterator[PluginDeclarati
     except configparser.Error as error:
         logger.warning("the plugins of the package %s are left out: %s", distribution, error)
         return
-    for name, value in parser.items(GROUP):
+    for full_name, value in parser.items(GROUP):
         found = _CLASS.fullmatch(value.strip())
         if found:
-            module = found.group("module")
-            class_path = f"{module}.{found.group('name')}"
-            yield PluginDeclaration.named(name, module.partition(".")[0], class_path)
+            namespace, _, name = full_name.rpartition("::")
+            package, path = found["module"].partition(".")[0], f"{found['module']}.{found['name']}"
+            yield PluginDeclaration(name, package, path, namespace=namespace)
         else:
             logger.warning(
                 'the plugin "%s" of the package %s is left out: expected module:Class, found "%s"',
-                name,
+                full_name,
                 distribution,
                 value,
             )
