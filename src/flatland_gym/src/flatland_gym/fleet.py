@@ -1,10 +1,10 @@
 """Worlds side by side: the backends of navigation environments.
 
-A `Fleet` has n places, each with a simulation of the same world. It writes what the robots measure
-into the arrays of a `BatchObservation`, which fleets of several worlds share.
+A fleet has n places, each with a simulation of the same world. It writes what the robots measure
+into the arrays of a `BatchObservation`, which fleets of several worlds share. It is a `BatchFleet`,
+or a `SimulationFleet` with the same methods.
 """
 
-from abc import ABC, abstractmethod
 from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
@@ -20,81 +20,7 @@ Motions = Tuple[FloatArray, FloatArray]
 """Poses and velocities."""
 
 
-class Fleet(ABC):
-    """A world at n places.
-
-    Args:
-        world: the world to simulate.
-        settings: settings of the environment.
-        rows: what the robots measure; overwritten in each step. A row for each robot, those of the
-            first place first.
-    """
-
-    def __init__(
-        self, world: NavigationWorld, settings: NavigationSettings, rows: BatchObservation
-    ) -> None:
-        self._world = world
-        self._settings = settings
-        self._rows = rows
-        self._room = world.radius + settings.margin
-        self._team = len(world.robots)
-
-    @abstractmethod
-    def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
-        """Begins an episode at each of these places."""
-
-    def is_blocked(self, index: int, episode: Episode) -> bool:
-        """True if plugins have added walls at a start or a goal of a place's episode."""
-        return episode.is_near(self.added_walls(index), self._room)
-
-    @abstractmethod
-    def added_walls(self, index: int) -> Segments:
-        """The walls that plugins have added at a place: (m, 4)."""
-
-    @abstractmethod
-    def step(self, actions: FloatArray, indices: IntArray) -> None:
-        """Makes a step of the environment with each of these robots.
-
-        Args:
-            actions: of all robots, shape (n, size of an action); finite.
-            indices: rows of the robots in the arrays, in increasing order.
-        """
-
-    @abstractmethod
-    def drive(self, command: Sequence[float]) -> None:
-        """Makes a step of the environment of the only robot; the command is finite."""
-
-    @abstractmethod
-    def retire(self, indices: IntArray, leaving: BoolArray) -> None:
-        """Stops robots that `step` is no longer called with, and parks those that leave.
-
-        Args:
-            indices: rows of the robots in the arrays, in increasing order.
-            leaving: the robots that leave the world, as a mask of all robots.
-        """
-
-    @abstractmethod
-    def save_states(self, indices: IntArray) -> List[bytes]:
-        """The states of the simulations at these places."""
-
-    @abstractmethod
-    def load_states(self, indices: IntArray, states: Sequence[bytes]) -> None:
-        """Puts the simulations at these places into states of the same world."""
-
-    @abstractmethod
-    def simulation(self, index: int) -> Simulation:
-        """The simulation at a place, for pictures."""
-
-    @abstractmethod
-    def motions(self, indices: IntArray) -> Motions:
-        """Poses and velocities of the world's `others`, for these robots' rows: (k, m, 3) each."""
-
-    @abstractmethod
-    def close(self) -> None:
-        """Ends all simulations."""
-
-
-class BatchFleet(Fleet):
+class BatchFleet:
     """A `SimulationBatch`: all places in one call of the core.
 
     It gives the same numbers as a `SimulationFleet`, bit for bit.
@@ -102,7 +28,8 @@ class BatchFleet(Fleet):
     Args:
         world: the world to simulate.
         settings: settings of the environment.
-        rows: arrays for the measurements of the robots.
+        rows: what the robots measure; overwritten in each step. A row for each robot, those of the
+            first place first.
         threads: number of threads of the batch.
         maps: the maps of `settings`.
 
@@ -118,9 +45,11 @@ class BatchFleet(Fleet):
         threads: int = 1,
         maps: Optional[Maps] = None,
     ) -> None:
-        super().__init__(world, settings, rows)
+        self._world = world
+        self._settings = settings
+        self._room = world.radius + settings.margin
         self._maps = maps
-        team = self._team
+        self._team = team = len(world.robots)
         count = len(rows.poses) // team
         self._moved = [disc.name for disc in (*world.scattered, *world.obstacles)]
         self._batch = SimulationBatch(
@@ -145,6 +74,7 @@ class BatchFleet(Fleet):
         self._is_plain = count == 1 and maps is None and not settings.vary
 
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
+        """Begins an episode at each of these places."""
         count = len(self._out.poses)
         if self._is_plain:  # the checks of a batch take longer than a reset of one
             (episode,) = episodes
@@ -177,12 +107,21 @@ class BatchFleet(Fleet):
         )
 
     def is_blocked(self, index: int, episode: Episode) -> bool:
-        return self._batch.worlds_differ and super().is_blocked(index, episode)
+        """True if plugins have added walls at a start or a goal of a place's episode."""
+        worlds_differ = self._batch.worlds_differ
+        return worlds_differ and episode.is_near(self.added_walls(index), self._room)
 
     def added_walls(self, index: int) -> Segments:
+        """The walls that plugins have added at a place: (m, 4)."""
         return self._batch.added_walls(index)
 
     def step(self, actions: FloatArray, indices: IntArray) -> None:
+        """Makes a step of the environment with each of these robots.
+
+        Args:
+            actions: of all robots, shape (n, size of an action); finite.
+            indices: rows of the robots in the arrays, in increasing order.
+        """
         mask = None
         if len(indices) < len(actions):
             mask = np.zeros(self._out.collided.shape, bool)
@@ -192,19 +131,28 @@ class BatchFleet(Fleet):
         self._batch.step(shaped, self._settings.frame_skip, out=self._out, mask=mask)
 
     def drive(self, command: Sequence[float]) -> None:
+        """Makes a step of the environment of the only robot; the command is finite."""
         self._commands[0] = command
         self._drive(self._commands)
 
     def retire(self, indices: IntArray, leaving: BoolArray) -> None:
+        """Stops robots that `step` is no longer called with, and parks those that leave.
+
+        Args:
+            indices: rows of the robots in the arrays, in increasing order.
+            leaving: the robots that leave the world, as a mask of all robots.
+        """
         mask = np.zeros(self._out.collided.shape, bool)
         mask.ravel()[indices] = leaving[indices]
         if mask.any():  # the others are stopped by the next step
             self._batch.move(self._parking, mask)
 
     def save_states(self, indices: IntArray) -> List[bytes]:
+        """The states of the simulations at these places."""
         return self._batch.save_states(self._mask(indices))
 
     def load_states(self, indices: IntArray, states: Sequence[bytes]) -> None:
+        """Puts the simulations at these places into states of the same world."""
         self._batch.load_states(states, self._mask(indices), out=self._out)
 
     def _mask(self, indices: IntArray) -> BoolArray:
@@ -217,10 +165,12 @@ class BatchFleet(Fleet):
         return self._batch.view(index)
 
     def motions(self, indices: IntArray) -> Motions:
+        """Poses and velocities of the world's `others`, for these robots' rows: (k, m, 3) each."""
         columns = [self._batch.models.index(name) for name in self._world.others]
         poses, velocities = self._batch.model_motions()
         rows = (indices // self._team)[:, None]
         return poses[rows, columns], velocities[rows, columns]
 
     def close(self) -> None:
+        """Ends all simulations."""
         self._batch.close()

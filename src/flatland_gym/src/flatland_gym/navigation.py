@@ -10,7 +10,7 @@ import numpy as np
 
 from flatland2d import BatchObservation, Simulation, UsageError
 from flatland_gym.episodes import EpisodeSampler, options_of
-from flatland_gym.fleet import Fleet, Motions
+from flatland_gym.fleet import Motions
 from flatland_gym.maps import Maps
 from flatland_gym.navigation_world import load_all
 from flatland_gym.neighbors import Neighbors
@@ -21,7 +21,7 @@ from flatland_gym.policy import Policy
 from flatland_gym.reward_functions import evaluate_step, frozen
 from flatland_gym.rewards import OtherModels, Transition
 from flatland_gym.settings import NavigationSettings
-from flatland_gym.simulation_fleet import make_fleet
+from flatland_gym.simulation_fleet import Fleet, make_fleet
 from flatland_server import BoolArray, Float32Array, FloatArray, IntArray, Segments
 from flatland_server._core import GoalObserver
 
@@ -155,7 +155,11 @@ class Navigation:
         for number, index in enumerate(indices.tolist()):
             tries = 1
             while self._fleet(episodes[number].world).is_blocked(index, episodes[number]):
-                require_tries(tries)
+                if tries >= _TRIES:
+                    raise UsageError(
+                        "the start or the goal lies in walls that a plugin of the world has added "
+                        f"(tried {_TRIES} times)"
+                    )
                 tries += 1
                 episode = episodes[number] = self._sampler.draw(generators[number], own[number])
                 self._fleet(episode.world).reset(np.array([index]), [episode])
@@ -198,6 +202,22 @@ class Navigation:
         self.steps[indices] += 1
         distances = goal_distances(state.poses, self.goals)
         successes = (distances < settings.goal_radius) & ~state.collided
+        rewards, terminated = self._evaluate(distances, successes, actions, indices)
+        if len(indices) == len(distances):  # quicker than with a mask
+            self.distances, self.successes = distances, successes
+            return rewards, terminated.copy(), ~terminated & (self.steps >= self._longest_episode)
+        rows = np.zeros(len(distances), dtype=bool)
+        rows[indices] = True
+        truncated = rows & ~terminated & (self.steps >= self._longest_episode)
+        self.distances = np.where(rows, distances, self.distances)
+        self.successes = np.where(rows, successes, self.successes)
+        return np.where(rows, rewards, 0.0), terminated & rows, truncated
+
+    def _evaluate(
+        self, distances: FloatArray, successes: BoolArray, actions: FloatArray, indices: IntArray
+    ) -> Tuple[FloatArray, BoolArray]:
+        """Rewards and terminations of a step of these rows."""
+        state = self.rows
         transition = Transition(
             self.distances,
             distances,
@@ -211,16 +231,7 @@ class Navigation:
             self._period,
             self._models(indices),
         )
-        rewards, terminated = evaluate_step(transition, settings)
-        if len(indices) == len(distances):  # quicker than with a mask
-            self.distances, self.successes = distances, successes
-            return rewards, terminated.copy(), ~terminated & (self.steps >= self._longest_episode)
-        rows = np.zeros(len(distances), dtype=bool)
-        rows[indices] = True
-        truncated = rows & ~terminated & (self.steps >= self._longest_episode)
-        self.distances = np.where(rows, distances, self.distances)
-        self.successes = np.where(rows, successes, self.successes)
-        return np.where(rows, rewards, 0.0), terminated & rows, truncated
+        return evaluate_step(transition, self.settings)
 
     def retire(self, indices: IntArray, leaving: BoolArray) -> None:
         """Stops robots after the ends of their episodes, in environments in which others go on.
@@ -483,12 +494,3 @@ def row_of(infos: Mapping[str, Any], index: int) -> Dict[str, Any]:
         name: values[index].item() if values.ndim == 1 else values[index]
         for name, values in infos.items()
     }
-
-
-def require_tries(count: int) -> None:
-    """Raises a UsageError after too many tries to begin an episode."""
-    if count >= _TRIES:
-        raise UsageError(
-            "the start or the goal lies in walls that a plugin of the world has added (tried "
-            f"{_TRIES} times)"
-        )

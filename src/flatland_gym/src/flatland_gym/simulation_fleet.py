@@ -2,14 +2,14 @@
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from typing import Callable, Dict, Iterable, List, Mapping, Optional, Sequence
+from typing import Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Union
 
 import numpy as np
 
 from flatland2d import BatchObservation, PluginError, Simulation
 from flatland2d.batch.variation import with_values
 from flatland_gym.episodes import Episode
-from flatland_gym.fleet import BatchFleet, Fleet, Motions
+from flatland_gym.fleet import BatchFleet, Motions
 from flatland_gym.maps import Maps
 from flatland_gym.navigation_world import NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings
@@ -137,8 +137,8 @@ class _Place:
             self._bodies[number].read_motion(pose, velocity)
 
 
-class SimulationFleet(Fleet):
-    """A `Simulation` at each place, made when it is first needed.
+class SimulationFleet:
+    """A `Simulation` at each place, made when it is first needed; methods as of a `BatchFleet`.
 
     Args:
         world: the world to simulate.
@@ -154,7 +154,11 @@ class SimulationFleet(Fleet):
         rows: BatchObservation,
         threads: int = 1,
     ) -> None:
-        super().__init__(world, settings, rows)
+        self._world = world
+        self._settings = settings
+        self._rows = rows
+        self._room = world.radius + settings.margin
+        self._team = len(world.robots)
         self._places: Dict[int, _Place] = {}
         self._threads = min(threads, len(rows.poses) // self._team)
         self._pool: Optional[ThreadPoolExecutor] = None
@@ -165,6 +169,9 @@ class SimulationFleet(Fleet):
         chosen = dict(zip(indices.tolist(), episodes))
         self._make_places(chosen)
         self._each(lambda index: self._places[index].reset(chosen[index]), list(chosen))
+
+    def is_blocked(self, index: int, episode: Episode) -> bool:
+        return episode.is_near(self.added_walls(index), self._room)
 
     def added_walls(self, index: int) -> Segments:
         return self._places[index].added_walls()
@@ -237,6 +244,9 @@ class SimulationFleet(Fleet):
         parts = [indices[start :: self._threads] for start in range(self._threads)]
         for _ in self._pool.map(do_all, parts):  # raises the exceptions of the parts
             pass
+
+
+Fleet = Union[BatchFleet, SimulationFleet]
 
 
 def make_fleet(

@@ -9,9 +9,7 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
 
-from flatland_gym.navigation import Navigation, numbers_of, require_tries
-from flatland_gym.reward_functions import evaluate_step
-from flatland_gym.rewards import Transition
+from flatland_gym.navigation import Navigation, numbers_of
 from flatland_gym.settings import NavigationSettings
 
 Result = Tuple[Any, float, bool, bool, Dict[str, Any]]
@@ -37,8 +35,6 @@ class SingleNavigation(Navigation):
         # Python's numbers also where NumPy's were given.
         self._goal_radius = float(settings.goal_radius)
         self._collision_ends = bool(settings.collision_ends)
-        # Whether a reset does more than `begin`.
-        self._is_special = settings.maps is not None or bool(settings.vary or settings.neighbors)
 
     def drive(self, action: Any) -> Result:
         """Makes a step.
@@ -59,7 +55,8 @@ class SingleNavigation(Navigation):
         distance = abs(complex(goal_x - x, goal_y - y))
         success = distance < self._goal_radius and not collided
         if self._has_functions:
-            reward, terminated = self._call_functions(command, distance, success)
+            numbers = np.array([distance]), np.array([success]), np.array([command])
+            (reward,), (terminated,) = (each.tolist() for each in self._evaluate(*numbers, _ONE))
         else:
             reward = self.settings.rewards.reward(
                 self.distances.item(0) - distance, success, collided, self._period
@@ -83,26 +80,8 @@ class SingleNavigation(Navigation):
         Raises:
             UsageError: an option is wrong. The environment is as before.
         """
-        if options or self._is_special or self._options:
-            self.reset(_ONE, [generator], options)
-            distance = self.distances.item(0)
-            return self.observation(), self._info(False, False, distance)
-        tries = 0
-        while True:
-            episode = self._sampler.draw(generator, self._choices[0])
-            fleet = self._fleet(episode.world)
-            fleet.reset(_ONE, [episode])
-            if not fleet.is_blocked(0, episode):
-                break
-            tries += 1
-            require_tries(tries)
-        ((goal_x, goal_y),) = episode.goals
-        self.goals[0] = goal_x, goal_y
-        self._world_of[0] = episode.world
-        x, y, _ = self.rows.poses[0].tolist()
-        self.steps[0], self.successes[0] = 0, False
-        self.distances[0] = distance = abs(complex(goal_x - x, goal_y - y))
-        return self.observation(), self._info(False, False, distance)
+        self.reset(_ONE, [generator], options)
+        return self.observation(), self._info(False, False, self.distances.item(0))
 
     def observation(self) -> Any:
         """The observation of the robot: new arrays."""
@@ -124,29 +103,6 @@ class SingleNavigation(Navigation):
         if self._privileged is not None:
             info["privileged"] = self.privileged()[0]
         return info
-
-    def _call_functions(
-        self, command: List[float], distance: float, success: bool
-    ) -> Tuple[float, bool]:
-        """Reward and termination by functions of the settings, which take arrays."""
-        state = self.rows
-        rewards, terminated = evaluate_step(
-            Transition(
-                self.distances,
-                np.array([distance]),
-                np.array([success]),
-                state.collided,
-                np.array([command]),
-                state.poses,
-                state.local_velocities,
-                self.goals,
-                state.ranges,
-                self._period,
-                self._models(_ONE),
-            ),
-            self.settings,
-        )
-        return float(rewards[0]), bool(terminated[0])
 
     def _command(self, action: Any) -> List[float]:
         """An action, cut to the limits; as `checked_actions`."""
