@@ -10,7 +10,7 @@ import numpy as np
 
 from flatland2d import DistanceGrid, FlatlandError, Pose, Simulation, UsageError, find_robot
 from flatland2d.batch.variation import with_values
-from flatland2d.world_content import content_with
+from flatland2d.world_source import content_with
 from flatland_gym.map_space import MapSpace
 from flatland_gym.robot import Content, Robot, scale_footprints, set_beams
 from flatland_gym.scenarios import SCENARIOS

@@ -13,7 +13,7 @@ from math import prod
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Sequence, Set
 
-from flatland2d.world_content import read_world_content
+from flatland2d.world_source import read_world_content
 from flatland_server.config import YamlPreprocessor, find_world, is_file, to_path
 from flatland_server.exceptions import FlatlandError, UsageError, listed, shortened, suggestion
 from flatland_server.transport import absolute_name
