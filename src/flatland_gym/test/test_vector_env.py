@@ -10,9 +10,8 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 from flatland2d import DistanceGrid, UsageError, world_content
 from flatland_gym import SCENARIOS
-from flatland_gym.fleet import BatchFleet
+from flatland_gym.fleet import BatchFleet, SimulationFleet
 from flatland_gym.navigation_world import NavigationWorld
-from flatland_gym.simulation_fleet import SimulationFleet
 from flatland_server.plugins import shared_loader
 
 pytestmark = pytest.mark.slow

@@ -10,7 +10,7 @@ import numpy as np
 
 from flatland2d import BatchObservation, Simulation, UsageError
 from flatland_gym.episodes import EpisodeSampler, options_of
-from flatland_gym.fleet import Motions
+from flatland_gym.fleet import Fleet, Motions, make_fleet
 from flatland_gym.maps import Maps
 from flatland_gym.navigation_world import load_all
 from flatland_gym.neighbors import Neighbors
@@ -21,7 +21,6 @@ from flatland_gym.policy import Policy
 from flatland_gym.reward_functions import evaluate_step, frozen
 from flatland_gym.rewards import OtherModels, Transition
 from flatland_gym.settings import NavigationSettings
-from flatland_gym.simulation_fleet import Fleet, make_fleet
 from flatland_server import BoolArray, Float32Array, FloatArray, IntArray, Segments
 from flatland_server._core import GoalObserver
 

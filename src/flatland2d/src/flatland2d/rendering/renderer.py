@@ -3,7 +3,7 @@
 import io
 import math
 from pathlib import Path
-from typing import Dict, Iterable, List, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from PIL import Image
@@ -131,13 +131,23 @@ def save(
     Raises:
         FlatlandError: the file cannot be written, or its kind is not known.
     """
-    path = Path(path)
+    options: Any = {"sensors": sensors, "names": names, "trails": trails}
+    write_picture(
+        Path(path), lambda: renderer.svg(view, **options), lambda: renderer.image(view, **options)
+    )
+
+
+def write_picture(path: Path, svg: Callable[[], str], image: Callable[[], Image.Image]) -> None:
+    """Writes a picture into a file: SVG if its name ends in .svg, or else PNG, JPEG ...
+
+    Raises:
+        FlatlandError: the file cannot be written, or its kind is not known.
+    """
     try:
         if path.suffix.lower() == ".svg":
-            document = renderer.svg(view, sensors=sensors, names=names, trails=trails)
-            path.write_text(document, encoding="utf-8")
+            path.write_text(svg(), encoding="utf-8")
         else:
-            renderer.image(view, sensors=sensors, names=names, trails=trails).save(path)
+            image().save(path)
     except (OSError, ValueError) as error:  # ValueError: an unknown file extension
         reason = getattr(error, "strerror", None) or error
         raise FlatlandError(f"{path}: cannot be written: {reason}") from None

@@ -21,13 +21,12 @@ from typing import (
     Union,
 )
 
-from flatland2d.sweep.comparison import comparison_rows
+from flatland2d.sweep.comparison import comparison_rows, read_rows
 from flatland2d.sweep.fingerprints import Fingerprints
 from flatland2d.sweep.local_pool import LocalPool
 from flatland2d.sweep.metrics import SUMMARISED
 from flatland2d.sweep.paper import figure, latex_table, markdown_table, with_metrics
 from flatland2d.sweep.ray_pool import RayPool
-from flatland2d.sweep.regressions import read_rows
 from flatland2d.sweep.report import draw, report_html, unsuccessful
 from flatland2d.sweep.runner import Result, ScenarioRunner
 from flatland2d.sweep.settings import Scenario, SweepSettings, scenarios_of

@@ -19,10 +19,9 @@ from flatland_server.arrays import FloatArray
 from flatland_server.config.file_names import find_file, is_bare, nor_in
 from flatland_server.config.input_files import is_file, similar_file, why_not_a_file
 from flatland_server.config.plain_nodes import to_node
-from flatland_server.config.problem_collector import MutedCollector
 from flatland_server.config.ros_names import FRAME, NAME, TOPIC, is_frame, is_name, is_topic
 from flatland_server.config.yaml_map import REQUIRED as REQUIRED
-from flatland_server.config.yaml_map import YamlMap, file_of
+from flatland_server.config.yaml_map import MutedCollector, YamlMap, file_of
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_values import (
     cells,

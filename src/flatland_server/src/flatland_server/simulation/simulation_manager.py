@@ -8,8 +8,7 @@ from typing import Callable, List, Optional, Sequence
 
 from flatland_server.exceptions import FlatlandError, UsageError, suggestion
 from flatland_server.simulation.history import RunWithHistory
-from flatland_server.simulation.pacer import Pacer
-from flatland_server.simulation.wall_timekeeper import WallPacer, WallTimekeeper
+from flatland_server.simulation.pacer import Pacer, WallPacer, WallTimekeeper
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.arrivals import Arrivals
