@@ -19,7 +19,7 @@ from flatland2d.cli.arguments import (
     positive,
 )
 from flatland2d.simulation import Simulation
-from flatland_server.exceptions import MissingPackageError, suggestion
+from flatland_server.exceptions import needed_module, suggestion
 
 _CHUNK = 0.05
 """Real time between checks of the clock and of Ctrl-C [s]: the duration of one call of `step`."""
@@ -154,16 +154,10 @@ def _progress_bar(
     Raises:
         MissingPackageError: tqdm is not installed, and a bar was asked for.
     """
-    if is_wanted is None:
-        is_wanted = sys.stderr.isatty()
-    try:
-        import tqdm
-    except ImportError:
-        if is_wanted:
-            raise MissingPackageError("a progress bar needs tqdm: pip install tqdm") from None
-    if not is_wanted:
+    if not (sys.stderr.isatty() if is_wanted is None else is_wanted):
         yield lambda _: None
         return
+    tqdm = needed_module("tqdm", "a progress bar needs tqdm", "pip install tqdm")
     form = "{l_bar}{bar}| {n:.1f}/{total:.1f} s [{elapsed}<{remaining}{postfix}]"
     endless = "{n:.1f} s [{elapsed}{postfix}]"
     with tqdm.tqdm(total=seconds, bar_format=form if seconds else endless) as bar:
