@@ -2,7 +2,7 @@
 
 import os
 from dataclasses import replace
-from typing import Any, Callable, List, Mapping, NoReturn, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, Mapping, NoReturn, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from flatland2d.batch.arguments import (
     steps_of,
     walls_of,
 )
-from flatland2d.batch.free_spaces import FreeSpaces
+from flatland2d.batch.free_spaces import free_space_of
 from flatland2d.batch.noise import BatchNoises
 from flatland2d.batch.observation import BatchObservation
 from flatland2d.batch.plugins import BatchPlugins
@@ -205,7 +205,7 @@ class SimulationBatch:
         varies = self._world.config.with_seed or any(each.role.varies_by_seed for each in roles)
         self._only_seed = origin.seed if origin is not None and varies else None
         self._noise = BatchNoises(self._robots, self._num_envs, self._variation.noises)
-        self._spaces = FreeSpaces(self._world, self._robots)
+        self._spaces: Dict[float, FreeSpace] = {}
 
     # Facts
 
@@ -662,7 +662,7 @@ class SimulationBatch:
         Raises:
             UsageError: the clearance is not usable, or leaves no place.
         """
-        return self._spaces.of(clearance)
+        return free_space_of(self._world, self._robots, clearance, self._spaces)
 
     def free_poses(self, count: int, clearance: float, rng: np.random.Generator) -> FloatArray:
         """Random poses for `reset`, uniformly distributed over `free_space` and all headings.
