@@ -7,7 +7,7 @@ from bridge_clients import Client, running
 from waiting import wait_until
 
 from flatland2d.cli import main
-from flatland_server.messages.stamps import stamp_offset
+from flatland_server.messages.conversions import stamp_offset
 
 TOLERANCE = 5.0  # s of real time, on a busy machine
 

@@ -8,8 +8,7 @@ from typing import Any, Callable, Dict, FrozenSet, List, Optional, Set, Tuple
 from flatland_bridge.budget import Budget
 from flatland_bridge.client_messages import require_type
 from flatland_bridge.graph import BridgeError, Graph, Receive, Topics
-from flatland_bridge.message_size import size_of
-from flatland_bridge.sample import Sample
+from flatland_bridge.sample import Sample, size_of
 from flatland_bridge.shared_transport import SharedTransport
 from flatland_bridge.simulation_interfaces import SimulationInterfaces
 from flatland_server.config import shipped_worlds

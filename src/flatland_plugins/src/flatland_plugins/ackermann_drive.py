@@ -3,7 +3,8 @@
 import math
 from typing import Any, List, Optional, Tuple
 
-from flatland_plugins.twist_drive import TwistDrive, read_dynamics
+from flatland_plugins.drive_config import read_dynamics
+from flatland_plugins.twist_drive import TwistDrive
 from flatland_plugins.wheel_joints import TOLERANCE, get_wheel
 from flatland_server import CoreDrive, Joint, ModelBody, YamlReader
 

@@ -1,13 +1,13 @@
 """Laser: a planar lidar on a body."""
 
 import math
+import struct
 from functools import lru_cache
-from typing import Tuple
+from typing import Any, Tuple
 
 import numpy as np
 
 from flatland_plugins.laser_config import LaserConfig
-from flatland_plugins.scan_writer import ScanWriter
 from flatland_plugins.sensor_frame import SensorFrame, static_by_default
 from flatland_plugins.timed_noise import draw_key
 from flatland_server import (
@@ -17,16 +17,28 @@ from flatland_server import (
     CoreLidar,
     Float32Array,
     FloatArray,
+    MessageWriter,
     ModelPlugin,
     Pose,
     RangeNoise,
     Timekeeper,
     UpdateTimer,
     YamlReader,
+    header,
+    messages,
+    stamp_of,
 )
+
+LaserScan = messages.get("sensor_msgs/LaserScan")
 
 REFLECTANCE_LAYER = "reflectance"
 """Name of the layer on which walls and footprints return an intensity of 255."""
+
+_CONSTANT_FIELDS = (
+    *("angle_min", "angle_max", "angle_increment"),
+    *("time_increment", "scan_time", "range_min", "range_max"),
+)
+"""Of a LaserScan, in the order of the message."""
 
 _BEAMS = (0.8, 0.0, 0.0, 0.08)
 _RETURNS = (0.8, 0.0, 0.0, 1.0)
@@ -70,7 +82,7 @@ class Laser(ModelPlugin):
         roll = math.pi if laser.upside_down else 0.0
         self._frame = SensorFrame(self, body, laser.frame, laser.tf_topic, laser.origin, roll)
         self.update_timer = UpdateTimer(laser.update_rate)
-        self._publisher = self.node.advertise(laser.topic, "sensor_msgs/LaserScan")
+        self._publisher = self.node.advertise(laser.topic, LaserScan)
         self._writer = ScanWriter(
             self._frame.name,
             angle_min=laser.angle_min,
@@ -169,6 +181,44 @@ class Laser(ModelPlugin):
 
     def get_state(self) -> None:
         """Nothing: a scan depends on the present alone, and its noise on the time."""
+
+
+class ScanWriter(MessageWriter):
+    """Makes LaserScans that differ in their times, ranges and intensities alone."""
+
+    def __init__(self, frame_id: str, **fields: float) -> None:
+        self._frame_id = frame_id
+        self._fields = fields
+        self._sequence = 0
+        frame = frame_id.encode()
+        self._constant = (
+            struct.pack("<I", len(frame))
+            + frame
+            + struct.pack("<7f", *(fields.get(name, 0.0) for name in _CONSTANT_FIELDS))
+        )
+
+    def message(self, nanoseconds: int, ranges: Float32Array, intensities: Float32Array) -> Any:
+        """A LaserScan with arrays for ranges and intensities."""
+        return LaserScan(
+            header=header(nanoseconds, self._frame_id),
+            ranges=ranges,
+            intensities=intensities,
+            **self._fields,
+        )
+
+    def data(self, nanoseconds: int, ranges: Float32Array, intensities: Float32Array) -> bytes:
+        """The same as bytes, field by field as LaserScan has them."""
+        self._sequence += 1
+        return b"".join(
+            (
+                struct.pack("<3I", self._sequence, *stamp_of(nanoseconds)),
+                self._constant,
+                struct.pack("<I", len(ranges)),
+                ranges.astype("<f4", copy=False).tobytes(),
+                struct.pack("<I", len(intensities)),
+                intensities.astype("<f4", copy=False).tobytes(),
+            )
+        )
 
 
 @lru_cache(maxsize=16)

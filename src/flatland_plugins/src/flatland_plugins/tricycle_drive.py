@@ -3,8 +3,8 @@
 import math
 from typing import Any
 
-from flatland_plugins.dynamics_limits import DynamicsLimits
-from flatland_plugins.twist_drive import TwistDrive, read_dynamics
+from flatland_plugins.drive_config import DynamicsLimits, read_dynamics
+from flatland_plugins.twist_drive import TwistDrive
 from flatland_plugins.wheel_joints import TOLERANCE, get_wheel
 from flatland_server import CoreDrive, ModelBody, Point, YamlReader
 

@@ -6,8 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from typing import Any, Callable, ClassVar, Tuple
 
-from flatland_plugins.actuators import Actuators
-from flatland_plugins.dynamics_limits import DynamicsLimits
+from flatland_plugins.drive_config import Actuators, read_dynamics
 from flatland_plugins.odometry import OdometryPlugin
 from flatland_plugins.odometry_config import OdometryConfig
 from flatland_server import (
@@ -148,11 +147,3 @@ class VelocityDrive(TwistDrive):
         limits = (linear.velocity_limit, linear.velocity_limit, angular.velocity_limit)
         chosen = tuple(limits[k] for k in self.columns)
         return CoreDrive(self._drive, self.columns, chosen, self._actuators.is_random)
-
-
-def read_dynamics(config: YamlReader) -> Tuple[DynamicsLimits, DynamicsLimits]:
-    """The limits of a drive's linear and of its angular velocity."""
-    return (
-        DynamicsLimits.read(config, "linear_dynamics"),
-        DynamicsLimits.read(config, "angular_dynamics"),
-    )

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from flatland_plugins.laser import ScanWriter
 from flatland_plugins.odometry_writer import MotionWriter, Odometry, odometry_maker, twist_maker
-from flatland_plugins.scan_writer import ScanWriter
 from flatland_server.geometry import Pose
 from flatland_server.messages.wire_form import serialized
 

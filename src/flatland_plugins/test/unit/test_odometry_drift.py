@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from readings import FILTERED, GROUND_TRUTH, TWIST, assert_covariance, pose_of, twist_of
 
-from flatland_plugins.odometry_drift import DriftVariances
+from flatland_plugins.odometry_config import DriftVariances
 from flatland_server._core import World
 from flatland_server.geometry import Pose
 

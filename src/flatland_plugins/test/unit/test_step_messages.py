@@ -14,7 +14,7 @@ from flatland_server import _core
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
 from flatland_server.transport.local_transport import LocalTransport
-from flatland_server.transport.serialized_transforms import SerializedFrames, TransformQueue
+from flatland_server.transport.transforms import SerializedFrames, TransformQueue
 from flatland_server.transport.transport import Publisher
 
 

@@ -67,8 +67,14 @@ from flatland_server.exceptions import (
     YamlError,
 )
 from flatland_server.geometry import Point, Pose, Transform, Velocity, quaternion, wrap_angle
-from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time, yaw_of
-from flatland_server.messages.stamps import stamp_of
+from flatland_server.messages.conversions import (
+    fill_pose,
+    fill_twist,
+    header,
+    ros_time,
+    stamp_of,
+    yaw_of,
+)
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.entity import Entity
 from flatland_server.models.footprint import Circle, Footprint, Polygon

@@ -1,5 +1,3 @@
-#include "sight/lidar.hpp"
-
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -16,6 +14,7 @@
 #include <vector>
 
 #include "base/parallel.hpp"
+#include "sight/lidars.hpp"
 #include "test_bodies.hpp"
 #include "world/world.hpp"
 

@@ -1,7 +1,5 @@
 /// Ranges do not depend on what a lidar has seen last.
 
-#include "sight/seen_walls.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

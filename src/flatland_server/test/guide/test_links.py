@@ -13,6 +13,7 @@ from pypi_readme import absolute
 
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 FENCE = re.compile(r"^ *```.*?^ *```$", re.DOTALL | re.MULTILINE)
+CODE = re.compile(r"`([\w/]+\.(?:py|cpp|hpp|js))`")
 MENTION = re.compile(r"\bdocs/[\w/]+\.(?:md|png|svg)\b")
 
 
@@ -57,6 +58,17 @@ def dead_links(page):
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_each_link_leads_somewhere(page):
     assert dead_links(page) == []
+
+
+@pytest.mark.parametrize(
+    "page", sorted((ROOT / "docs/how_it_works").glob("*.md")), ids=lambda page: page.stem
+)
+def test_each_file_of_code_that_a_page_names_exists(page):
+    named = CODE.findall(page.read_text(encoding="utf-8"))
+
+    assert [
+        name for name in named if not any(f"/{each}".endswith(f"/{name}") for each in FILES)
+    ] == []
 
 
 def test_readme_has_no_relative_link_on_pypi():

@@ -4,8 +4,11 @@ import pytest
 from edited_world import Server
 
 from flatland_server import Circle
-from flatland_server.hub.interactive_marker_manager import InteractiveMarkerManager
-from flatland_server.hub.marker_server import Feedback, Update
+from flatland_server.hub.interactive_marker_manager import (
+    Feedback,
+    InteractiveMarkerManager,
+    Update,
+)
 from flatland_server.real_time_timer import RealTimeTimer
 
 WORLD = """\

@@ -8,7 +8,7 @@ from logged import warnings
 
 from flatland_server import messages
 from flatland_server.geometry import Pose, Transform
-from flatland_server.transport.frame_registry import FrameRegistry
+from flatland_server.transport.claims import FrameRegistry
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.node import Node
 

@@ -9,9 +9,8 @@ from geometry_msgs.msg import TransformStamped
 from logged import warnings
 from tf2_msgs.msg import TFMessage
 
-from flatland_server.ros import other_localisers
-from flatland_server.ros.other_localisers import OtherLocalisers
-from flatland_server.ros.other_publishers import OtherPublishers
+from flatland_server.ros import other_nodes
+from flatland_server.ros.other_nodes import OtherLocalisers, OtherPublishers
 
 BESIDE_AMCL = [["/tf", ["/server", "/amcl"]], ["/scan", ["/server"]]]
 
@@ -35,7 +34,7 @@ def watch(monkeypatch):
     monkeypatch.setattr(rospy, "get_name", lambda: "/server")
     monkeypatch.setattr(rospy, "Subscriber", Subscriber)
     clock = SimpleNamespace(now=0.0)
-    monkeypatch.setattr(other_localisers, "time", SimpleNamespace(monotonic=lambda: clock.now))
+    monkeypatch.setattr(other_nodes, "time", SimpleNamespace(monotonic=lambda: clock.now))
     yield OtherLocalisers(lambda: {("", "odom"), ("", "r1_odom"), ("r2", "odom")}), clock
     Subscriber.open.clear()
 

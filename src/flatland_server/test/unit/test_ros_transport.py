@@ -12,7 +12,7 @@ from flatland_server.exceptions import TopicError
 from flatland_server.geometry import Pose, Transform
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.rospy_patches import RospyCalls
-from flatland_server.ros.rospy_patches.public_rospy import Outbox
+from flatland_server.ros.rospy_patches.rospy_calls import Outbox
 from flatland_server.transport.node import Node
 
 

@@ -21,7 +21,7 @@ from flatland_server.messages.serialized_markers import (
 from flatland_server.messages.wall_markers import flat_walls, upright_walls
 from flatland_server.messages.wire_form import serialized as sent
 from flatland_server.models.layer import LayerConfig
-from flatland_server.transport.serialized_transforms import SerializedFrames, TransformQueue
+from flatland_server.transport.transforms import SerializedFrames, TransformQueue
 
 
 def marker(namespace: str, **fields) -> Marker:

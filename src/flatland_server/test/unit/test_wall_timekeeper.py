@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flatland_server.exceptions import UsageError
-from flatland_server.messages.stamps import set_stamp_offset
+from flatland_server.messages.conversions import set_stamp_offset
 from flatland_server.simulation.pacer import WallTimekeeper
 from flatland_server.simulation.run import Run
 from flatland_server.simulation.simulation_manager import SimulationManager

@@ -5,7 +5,6 @@
 
 #include "base/box2d_limits.hpp"
 #include "motion/body_drift.hpp"
-#include "motion/steered_wheel.hpp"
 
 namespace flatland {
 namespace {

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "base/box2d_limits.hpp"
-#include "motion/steered_wheel.hpp"
 
 namespace flatland {
 

@@ -6,13 +6,15 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "base/access.hpp"
+#include "base/collision_layers.hpp"
 #include "base/geometry.hpp"
 #include "sight/beam_fan.hpp"
-#include "sight/lidar.hpp"
+#include "sight/depth_buffer.hpp"
 #include "sight/visible_fixture.hpp"
 #include "world/bodies.hpp"
 #include "world/mechanisms.hpp"
@@ -20,6 +22,31 @@
 namespace flatland {
 
 class Layers;
+
+struct ScanSettings {
+  double range = 0.0;                ///< largest distance that is measured [m]
+  LayerBits layers = kAllLayers;     ///< sees the fixtures and walls on any of these
+  LayerBits reflectance_layers = 0;  ///< what is on any of these returns intensity 255, not 0
+  double range_min = 0.0;  ///< what is nearer returns -infinity (REP 117) [m]; 0 is no minimum
+  std::vector<Bodies::Body> ignored{};  ///< bodies that are not seen
+};
+
+struct LidarSettings {
+  std::shared_ptr<const BeamFan> fan;  ///< the directions of its beams
+  Pose pose;                           ///< of the lidar, in the body's frame [m, m, rad]
+  ScanSettings scan;
+};
+
+/// A lidar on a body.
+struct Lidar {
+  LidarSettings settings;
+  // The latest scan, by beam; see Lidars::Scan.
+  std::vector<float> ranges;       // [m]
+  std::vector<float> intensities;  // 0 or 255; empty without reflectance layers
+  uint64_t scanned_revision = 0;   // revision of the world that it shows
+  SeenWalls seen;                  // in the latest scan
+  bool is_expected = false;        // Lidars::Expect has been called since
+};
 
 class Lidars {
  public:

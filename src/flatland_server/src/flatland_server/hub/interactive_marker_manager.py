@@ -1,23 +1,33 @@
-"""Interactive markers: models that are dragged, turned and deleted by mouse, in rviz."""
+"""Interactive markers: models that are dragged, turned and deleted by mouse, in rviz.
+
+rviz's display reads two topics. `update` has the changes, each with a number; `update_full` is
+latched, and has all markers as of a number, from which a new display follows the changes. Without
+any message for a second, a display takes the server to be gone.
+"""
 
 import logging
 import math
 import time
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+from copy import copy
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
 from flatland_server.hub.client_edits import Edit
 from flatland_server.hub.hub import Hub
-from flatland_server.hub.marker_server import Feedback, MarkerServer
 from flatland_server.messages.conversions import FRAME_ID, fill_pose, yaw_of
 from flatland_server.messages.message_types import get
 from flatland_server.messages.model_markers import preview
 from flatland_server.models.model import Model
 from flatland_server.real_time_timer import RealTimeTimer
+from flatland_server.transport.transport import Transport
 
+Feedback = get("visualization_msgs/InteractiveMarkerFeedback")
+Init = get("visualization_msgs/InteractiveMarkerInit")
 InteractiveMarker = get("visualization_msgs/InteractiveMarker")
 InteractiveMarkerControl = get("visualization_msgs/InteractiveMarkerControl")
+MarkerPose = get("visualization_msgs/InteractiveMarkerPose")
+Update = get("visualization_msgs/InteractiveMarkerUpdate")
 Marker = get("visualization_msgs/Marker")
 MenuEntry = get("visualization_msgs/MenuEntry")
 
@@ -80,7 +90,7 @@ class InteractiveMarkerManager:
         self._manager = hub.manager
         self._world = hub.world
         self._timer = RealTimeTimer(1.0 / rate)
-        self._server = MarkerServer(hub.transport, "interactive_model_markers", self._on_feedback)
+        self._server = _MarkerServer(hub.transport, "interactive_model_markers", self._on_feedback)
         self._alive = (0.0, 0.0)  # simulated and real time of the last message
         self._shown: Dict[str, _Handle] = {}
         self._drags: Dict[str, _Drag] = {}  # by model
@@ -181,6 +191,80 @@ class InteractiveMarkerManager:
         if self._drags.pop(name, None) is None:
             return
         self._manager.is_held = bool(self._drags)
+
+
+class _MarkerServer:
+    """The topics of interactive markers.
+
+    Args:
+        transport: transport on which the topics are published.
+        name: prefix of the topics' names, before `/update` and the others.
+        on_feedback: called with each message of a display, between two steps.
+    """
+
+    def __init__(self, transport: Transport, name: str, on_feedback: Callable[[Any], None]) -> None:
+        self._id = transport.node_name
+        self._markers: Dict[str, Any] = {}
+        self._changed: Dict[str, Any] = {}  # markers to send whole
+        self._moved: Dict[str, Any] = {}
+        self._erased: List[str] = []
+        self._number = 0
+        advertise = transport.advertise
+        self._full = advertise(f"{name}/update_full", Init, latch=True, queue_size=100)
+        self._updates = advertise(f"{name}/update", Update, latch=False, queue_size=100)
+        transport.subscribe(f"{name}/feedback", Feedback, on_feedback)
+        self._publish_all()
+
+    @property
+    def has_subscribers(self) -> bool:
+        """True if there is a display."""
+        return self._updates.has_subscribers
+
+    def insert(self, marker: Any) -> None:
+        """Adds a marker, in place of one of the same name; `send` sends it.
+
+        Args:
+            marker: a visualization_msgs/InteractiveMarker.
+        """
+        self._markers[marker.name] = self._changed[marker.name] = marker
+
+    def erase(self, name: str) -> None:
+        """Removes a marker."""
+        for markers in (self._markers, self._changed, self._moved):
+            markers.pop(name, None)
+        self._erased.append(name)
+
+    def move(self, name: str, pose: Any) -> None:
+        """Moves a marker.
+
+        Args:
+            name: the marker's name.
+            pose: a geometry_msgs/Pose.
+        """
+        marker = self._markers[name] = copy(self._markers[name])  # that of messages stays
+        marker.pose = pose
+        self._moved[name] = MarkerPose(marker.header, pose, name)
+
+    def send(self) -> None:
+        """Sends all changes."""
+        self._number += 1
+        # A display inserts first: it would erase a marker that replaces one of its name.
+        erased = [name for name in self._erased if name not in self._markers]
+        self._publish(Update.UPDATE, [*self._changed.values()], [*self._moved.values()], erased)
+        self._changed.clear()
+        self._moved.clear()
+        self._erased.clear()
+        self._publish_all()
+
+    def keep_alive(self) -> None:
+        """Tells displays that the markers are still there."""
+        self._publish(Update.KEEP_ALIVE, [], [], [])
+
+    def _publish(self, kind: int, *changes: List[Any]) -> None:
+        self._updates.publish(Update(self._id, self._number, kind, *changes))
+
+    def _publish_all(self) -> None:
+        self._full.publish(Init(self._id, self._number, list(self._markers.values())))
 
 
 def _pose_message(pose: Pose) -> Any:

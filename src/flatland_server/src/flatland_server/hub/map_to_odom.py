@@ -7,7 +7,7 @@ from flatland_server.config.ros_names import tf_topics
 from flatland_server.messages.conversions import FRAME_ID, header
 from flatland_server.messages.message_types import get
 from flatland_server.real_time_timer import RealTimeTimer
-from flatland_server.transport.frame_registry import OdometryFrame
+from flatland_server.transport.claims import OdometryFrame
 from flatland_server.transport.transport import Publisher, Transport
 
 TransformStamped = get("geometry_msgs/TransformStamped")

@@ -1,9 +1,9 @@
 """The services for models, and the topic `move_model`."""
 
 import logging
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from functools import partial
-from typing import Any, Callable, Dict, Iterator, List, Optional, Tuple, TypeVar
+from typing import Any, Callable, ContextManager, Dict, Iterator, List, Optional, Tuple
 
 from flatland_server.exceptions import FlatlandError, ModelError, shortened
 from flatland_server.geometry import Pose
@@ -20,10 +20,10 @@ logger = logging.getLogger(__name__)
 
 MarkerArray = get("visualization_msgs/MarkerArray")
 
-T = TypeVar("T")
-
 _Source = Callable[[Any], ModelSource]
 """Finds the model that a request of SpawnModel names."""
+_Naming = Callable[[int, str], ContextManager[None]]
+"""A context for an entry of a request's list, by its index and name; errors name the entry."""
 
 _NOT_REGISTERED = "spawned; its topics can be used when the ROS master answers"
 
@@ -71,63 +71,55 @@ class ModelServices:
             )
 
     def _spawn_model(self, source: _Source, request: Any) -> Dict[str, Any]:
-        return {"message": self._spawn(lambda: self._read(request, source), self._add_one)}
+        return self._spawn(source, [request], lambda index, name: nullcontext())
 
     def _spawn_models(self, source: _Source, request: Any) -> Dict[str, Any]:
-        return {"message": self._spawn(lambda: self._read_all(request, source), self._add_all)}
+        return self._spawn(source, request.models, partial(_naming_entry, "models"))
 
     def _file(self, model: Any) -> ModelSource:
         return self._files.model_file(model.yaml_path)
 
-    def _read(self, model: Any, source: _Source) -> ModelEntry:
-        """Reads a model, which has the fields of a request of SpawnModel."""
-        pose = _to_pose(model.pose)
-        return self._world.read_model_entry(source(model), model.name, model.ns, pose)
+    def _spawn(self, source: _Source, models: List[Any], naming: _Naming) -> Dict[str, Any]:
+        """Reads models on this thread, and adds them on the simulation's: all, or none.
 
-    def _read_all(self, request: Any, source: _Source) -> List[ModelEntry]:
+        Args:
+            source: finds each model.
+            models: have the fields of a request of SpawnModel.
+            naming: the context for each, by its index and name.
+        """
+        world = self._world
+        registry = world.registry
         entries = []
-        for index, model in enumerate(request.models):
-            with _naming_entry("models", index, model.name):
-                entries.append(self._read(model, source))
-        return entries
+        for index, model in enumerate(models):
+            with naming(index, model.name):
+                pose = _to_pose(model.pose)
+                entry = world.read_model_entry(source(model), model.name, model.ns, pose)
+                entries.append(entry)
 
-    def _spawn(self, read: Callable[[], T], add: Callable[[T], str]) -> str:
-        """Reads on this thread, adds on the simulation's; returns a warning, or an empty string."""
-        registry = self._world.registry
-        content = read()
-
-        def add_to_this_world() -> str:
-            if self._world.registry is not registry:
+        def add() -> str:
+            if world.registry is not registry:
                 raise ModelError(
                     "the world was reloaded while the model's file was read; try again"
                 )
             with self._transport.registration():
-                return add(content)
+                return self._add(entries, naming)
 
-        warning = self._transport.call(add_to_this_world)
+        warning = self._transport.call(add)
         if warning:
             logger.warning("spawn_model: %s", warning)
         if not self._transport.wait_until_registered():
             warning = "; ".join(filter(None, (warning, _NOT_REGISTERED)))
-        return warning
+        return {"message": warning}
 
-    def _add(self, entry: ModelEntry) -> str:
-        """Adds a model; returns a warning, or an empty string."""
-        return self._world.overlap_warning(self._edits.spawn(entry))
-
-    def _add_one(self, entry: ModelEntry) -> str:
-        with self._edits.edit([entry.name]):
-            return self._add(entry)
-
-    def _add_all(self, entries: List[ModelEntry]) -> str:
+    def _add(self, entries: List[ModelEntry], naming: _Naming) -> str:
         """Adds models: all, or none; returns their warnings, or an empty string."""
         before = set(self._world.models)
         warnings = []
         try:
             with self._edits.edit([entry.name for entry in entries]):
                 for index, entry in enumerate(entries):
-                    with _naming_entry("models", index, entry.name):
-                        warnings.append(self._add(entry))
+                    with naming(index, entry.name):
+                        warnings.append(self._world.overlap_warning(self._edits.spawn(entry)))
         except BaseException:
             self._edits.discard([name for name in self._world.models if name not in before])
             raise

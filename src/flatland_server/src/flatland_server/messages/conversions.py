@@ -1,14 +1,42 @@
-"""Conversions of Flatland's values into messages."""
+"""Conversions of Flatland's values into messages.
+
+Stamps, the times in messages and transforms, are equal to simulated times, unless the server stamps
+with real time (`WallTimekeeper`): then there is an offset between them. It is one of the process,
+as ROS's own clock is.
+"""
 
 import math
 from typing import Any, Tuple
 
+from flatland_server import _core
 from flatland_server.geometry import Pose, Transform, quaternion
 from flatland_server.messages.message_types import TYPES
-from flatland_server.messages.stamps import stamp_of
 
 FRAME_ID = "map"
 """The frame of the world."""
+
+_offset = 0  # of stamps [ns]
+
+
+def stamp_of(nanoseconds: int) -> Tuple[int, int]:
+    """The stamp of a simulated time: seconds, and nanoseconds in [0, 1e9).
+
+    Args:
+        nanoseconds: simulated time [ns].
+    """
+    return divmod(nanoseconds + _offset, 1_000_000_000)
+
+
+def stamp_offset() -> int:
+    """The difference between stamps and simulated time [ns]."""
+    return _offset
+
+
+def set_stamp_offset(nanoseconds: int) -> None:
+    """Sets the difference between stamps and simulated time [ns], of Python and of the core."""
+    global _offset
+    _offset = nanoseconds
+    _core.set_stamp_offset(nanoseconds)
 
 
 def ros_time(nanoseconds: int) -> Any:

@@ -9,8 +9,8 @@ from flatland_server.plugins.batch_role import (
 )
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin import Plugin, plugin_label
-from flatland_server.plugins.plugin_factory import plugin_rng
 from flatland_server.plugins.plugin_loader import PluginLoader, shared_loader
+from flatland_server.plugins.plugin_rng import plugin_rng
 
 __all__ = [
     "AddNoise",

@@ -1,4 +1,4 @@
-"""Finds plugins by their type, as pluginlib does.
+"""Finds plugins by their type, as pluginlib does, and makes them.
 
 A C++ class, with `::` in its `type` in the XML file, cannot be loaded: only a file that names it
 gets an error. Plugins of `EXAMPLE_PACKAGE`, which is there to be copied, are hidden by others of
@@ -11,11 +11,23 @@ import logging
 import os
 import sys
 from functools import lru_cache
-from typing import Dict, Iterable, Optional, Type, TypeVar
+from typing import Any, Callable, Dict, Iterable, Optional, Type, TypeVar
 
-from flatland_server.exceptions import PluginError, shortened, suggestion
+import numpy as np
+
+from flatland_server.exceptions import (
+    PLUGIN_ERRORS,
+    FlatlandError,
+    PluginError,
+    TopicError,
+    YamlError,
+    shortened,
+    suggestion,
+)
+from flatland_server.models.plugin_config import PluginConfig
 from flatland_server.plugins.declarations import PluginDeclaration, discover
 from flatland_server.plugins.plugin import Plugin
+from flatland_server.transport.node import Node
 
 __all__ = ["EXAMPLE_PACKAGE", "PluginDeclaration", "PluginLoader", "discover", "shared_loader"]
 
@@ -74,6 +86,54 @@ class PluginLoader:
         if not (inspect.isclass(cls) and issubclass(cls, base)):
             raise PluginError(f'"{type}" is not a {base.__name__}: {declaration.class_path}')
         return cls
+
+    def make(
+        self,
+        config: PluginConfig,
+        base: Type[P],
+        subject: Any,
+        node: Node,
+        rng: np.random.Generator,
+        on_failure: Callable[[P, str], None],
+    ) -> P:
+        """Makes a plugin and initializes it.
+
+        Args:
+            config: the plugin's entry in the file of a model or of the world.
+            base: base class that the plugin must have.
+            subject: the model, or the world, that the plugin belongs to.
+            node: the plugin's node.
+            rng: the plugin's random numbers.
+            on_failure: called with the plugin and a description of the callback, if a callback of
+                one of its subscriptions raises an exception.
+
+        Raises:
+            FlatlandError: there is no such plugin, or it does not start. It leaves no topics.
+        """
+        reader = config.reader
+        try:
+            plugin_class = self.load(config.type, base)
+        except PluginError as error:
+            raise reader.error(str(error), "type") from error.__cause__
+        node.warn = reader.warn
+        try:
+            plugin = plugin_class(config.type, config.name, node, rng, subject)  # type: ignore[call-arg]
+            node.on_failure = lambda where: on_failure(plugin, where)
+            if plugin.accept_other_keys:
+                reader.accept_other_keys()
+            plugin.on_initialize(reader)
+            reader.finish()
+        except BaseException as error:
+            node.close()
+            if isinstance(error, YamlError) or not isinstance(error, PLUGIN_ERRORS):
+                raise
+            reader.raise_problems()  # a placeholder for a wrong value may have made it fail
+            reason = str(error)
+            if not isinstance(error, FlatlandError):
+                reason = f"does not start: {type(error).__name__}: {error}"
+            key = reader.key_of(error.name) if isinstance(error, TopicError) else None
+            raise reader.error(reason, key) from error
+        return plugin
 
     def _find(self, type: str) -> PluginDeclaration:
         if self._declarations is None:

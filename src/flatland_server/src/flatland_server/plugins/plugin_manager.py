@@ -24,13 +24,12 @@ from flatland_server.models.entity import Entities, Entity
 from flatland_server.models.plugin_config import PluginConfig
 from flatland_server.plugins.contact_dispatcher import ContactDispatcher
 from flatland_server.plugins.plugin import HOOKS, STEP_HOOKS, Plugin, plugin_label
-from flatland_server.plugins.plugin_factory import PluginFactory
 from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.plugins.plugin_rng import plugin_rng
 from flatland_server.plugins.schedule import NO_CALLS, Schedule, Work
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.transport.frame_registry import FrameRegistry
+from flatland_server.transport.claims import FrameRegistry, TopicRegistry
 from flatland_server.transport.node import Node
-from flatland_server.transport.topic_registry import TopicRegistry
 from flatland_server.transport.transport import Transport
 
 logger = logging.getLogger(__name__)
@@ -106,8 +105,9 @@ class PluginManager:
         self._transport = transport
         self.frames = FrameRegistry()
         self.topics = TopicRegistry(transport)
-        root_node = Node(transport, frames=self.frames, topics=self.topics)
-        self._factory = PluginFactory(root_node, loader, seed)
+        self._root_node = Node(transport, frames=self.frames, topics=self.topics)
+        self._loader = loader
+        self._seed = seed
         self._plugins: Dict[str, List[Plugin]] = {}  # by the model's name; "" is the world
         self._failures: Dict[Plugin, PluginFailure] = {}
         self.contacts = ContactDispatcher(physics, entities, self._call)
@@ -174,10 +174,10 @@ class PluginManager:
         self._starting += 1
         try:
             for config in configs:
+                node = self._root_node.scoped(namespace, plugin_label(model_name, config.name))
+                rng = plugin_rng(self._seed, model_name, config.name)
                 try:
-                    plugins.append(
-                        self._factory.make(config, base, model_name, namespace, subject, self._fail)
-                    )
+                    plugins.append(self._loader.make(config, base, subject, node, rng, self._fail))
                     self._revision.change()
                 except YamlError as error:
                     problems.extend(error.problems)

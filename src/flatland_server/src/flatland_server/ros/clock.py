@@ -8,9 +8,9 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 
 from flatland_server.exceptions import listed
 from flatland_server.ros.rospy_patches import RospyCalls
-from flatland_server.ros.rospy_patches.public_rospy import SubscriberCounter
+from flatland_server.ros.rospy_patches.rospy_calls import SubscriberCounter
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.transport.clock import Clock
+from flatland_server.transport.served_transport import Clock
 
 _TICK_SIZE = 8  # bytes: seconds, nanoseconds
 

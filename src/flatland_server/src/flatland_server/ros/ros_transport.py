@@ -18,14 +18,17 @@ from flatland_server.messages.wire_form import LENGTH
 from flatland_server.ros import raw_messages
 from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.rospy_patches import RospyCalls
-from flatland_server.ros.rospy_patches.public_rospy import SubscriberCounter
+from flatland_server.ros.rospy_patches.rospy_calls import SubscriberCounter
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.arrivals import Arrival
-from flatland_server.transport.serialized_transforms import SerializedFrames, TransformQueue
+from flatland_server.transport.claims import ANY_TYPE, type_name
 from flatland_server.transport.served_transport import ServedTransport
-from flatland_server.transport.static_transforms import TOPIC as TF_STATIC
-from flatland_server.transport.static_transforms import StaticTransforms
-from flatland_server.transport.topic_registry import ANY_TYPE, type_name
+from flatland_server.transport.transforms import (
+    TF_STATIC,
+    SerializedFrames,
+    StaticTransforms,
+    TransformQueue,
+)
 from flatland_server.transport.transport import Frames, MessageWriter, Publisher, Subscription
 
 logger = logging.getLogger(__name__)

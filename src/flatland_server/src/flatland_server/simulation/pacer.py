@@ -4,7 +4,7 @@ import time
 from collections import deque
 from typing import Callable, Deque, List, Tuple
 
-from flatland_server.messages.stamps import set_stamp_offset, stamp_offset
+from flatland_server.messages.conversions import set_stamp_offset, stamp_offset
 from flatland_server.timekeeper import Timekeeper
 
 _MAX_BACKLOG = 0.25

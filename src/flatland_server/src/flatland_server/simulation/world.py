@@ -41,7 +41,7 @@ from flatland_server.simulation import plugin_state
 from flatland_server.simulation.load_warnings import warn_of_sensors, warn_of_traps
 from flatland_server.simulation.world_config import ModelEntry, ModelSource, WorldConfig
 from flatland_server.simulation.world_contents import WorldContents
-from flatland_server.transport.frame_registry import OdometryFrame
+from flatland_server.transport.claims import OdometryFrame
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.node import Node
 from flatland_server.transport.transport import Transport

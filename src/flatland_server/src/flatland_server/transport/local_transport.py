@@ -16,8 +16,7 @@ from typing import Any, Callable, Container, Deque, Dict, Iterator, List, Option
 from typing import Counter as CounterType
 
 from flatland_server.geometry import Transform
-from flatland_server.transport.static_transforms import TOPIC as TF_STATIC
-from flatland_server.transport.static_transforms import StaticTransforms
+from flatland_server.transport.transforms import TF_STATIC, StaticTransforms
 from flatland_server.transport.transport import Publisher, Subscription, Transport
 
 

@@ -11,10 +11,8 @@ from flatland_server.config.yaml_map import warn_once
 from flatland_server.exceptions import PLUGIN_ERRORS, TopicError
 from flatland_server.geometry import Transform
 from flatland_server.messages.message_types import get
-from flatland_server.transport.frame_registry import FrameRegistry
-from flatland_server.transport.namespace_transforms import NamespaceTransforms
-from flatland_server.transport.static_transforms import TOPIC as TF_STATIC
-from flatland_server.transport.topic_registry import TopicRegistry, type_name
+from flatland_server.transport.claims import FrameRegistry, TopicRegistry, type_name
+from flatland_server.transport.transforms import TF_STATIC, NamespaceTransforms
 from flatland_server.transport.transport import (
     Frames,
     Publisher,

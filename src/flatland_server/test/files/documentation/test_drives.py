@@ -5,7 +5,7 @@ from typing import Any, NamedTuple, Set, Tuple
 
 import pytest
 
-from flatland_plugins.dynamics_limits import DynamicsLimits
+from flatland_plugins.drive_config import DynamicsLimits
 from flatland_plugins.odometry_config import OdometryConfig
 
 STEPS_PER_SECOND = 200

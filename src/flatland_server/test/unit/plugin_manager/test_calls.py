@@ -3,7 +3,7 @@
 from plugin_manager.recorders import calls, step, world_of
 
 from flatland_server.plugins.plugin import Plugin
-from flatland_server.plugins.plugin_factory import _stream
+from flatland_server.plugins.plugin_rng import _stream
 
 
 def test_plugins_are_called_in_file_order_and_the_worlds_last(files):

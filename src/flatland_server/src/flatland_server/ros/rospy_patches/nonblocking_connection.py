@@ -27,7 +27,7 @@ from rospy.impl.tcpros_pubsub import QueuedConnection
 
 from flatland_server._core import BodyMessage, StepMessage, SubscriberQueue
 from flatland_server._core import Outbox as CoreOutbox
-from flatland_server.ros.rospy_patches.public_rospy import Outbox
+from flatland_server.ros.rospy_patches.rospy_calls import Outbox
 from flatland_server.ros.rospy_patches.rospy_checks import Requirement, check_all
 
 PERIOD = 0.005

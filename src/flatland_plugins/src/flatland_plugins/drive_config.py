@@ -1,4 +1,4 @@
-"""The `actuators` of a drive: what is between its commands and its wheels."""
+"""The keys that drives share: limits of velocities, and what is between commands and wheels."""
 
 from typing import NamedTuple, Optional, Tuple
 
@@ -9,6 +9,39 @@ from flatland_server import YamlReader
 
 _MAX_DELAY = 10.0
 """The longest delay [s], as in the core."""
+
+
+class DynamicsLimits(NamedTuple):
+    """`linear_dynamics` or `angular_dynamics`: limits of a velocity and its change; 0 is none.
+
+    They apply to a body's velocity in the plane, as a vector, in m/s and m/s^2; or to an angular
+    velocity, in rad/s and rad/s^2.
+    """
+
+    acceleration_limit: float
+    deceleration_limit: float
+    velocity_limit: float
+
+    @classmethod
+    def read(cls, config: YamlReader, key: str) -> "DynamicsLimits":
+        """Reads the section; the deceleration limit defaults to the acceleration limit."""
+        section = config.get_section(key)
+        acceleration = section.get_float("acceleration_limit", 0.0, minimum=0.0)
+        limits = cls(
+            acceleration,
+            section.get_float("deceleration_limit", acceleration, minimum=0.0),
+            section.get_float("velocity_limit", 0.0, minimum=0.0),
+        )
+        section.finish()
+        return limits
+
+
+def read_dynamics(config: YamlReader) -> Tuple[DynamicsLimits, DynamicsLimits]:
+    """The limits of a drive's linear and of its angular velocity."""
+    return (
+        DynamicsLimits.read(config, "linear_dynamics"),
+        DynamicsLimits.read(config, "angular_dynamics"),
+    )
 
 
 class Axis(NamedTuple):
@@ -25,7 +58,7 @@ class Axis(NamedTuple):
 
 
 class Actuators(NamedTuple):
-    """The actuators of a drive; all numbers 0: it has none."""
+    """The section `actuators` of a drive; all numbers 0: it has none."""
 
     linear: Axis
     angular: Axis
