@@ -147,14 +147,14 @@ class PageRun:
         """Loads the world, model and map files; skips those with the page's own plugins."""
         text = "".join(path.read_text() for path in self._folder.rglob("*.py"))
         classes = re.findall(r"^class (\w+)\((?:Model|World)Plugin", text, re.MULTILINE)
-        with contextlib.closing(YamlPreprocessor()) as preprocessor:
-            for name in dict.fromkeys(self._written):
-                path = self._folder / name
-                if path.suffix == ".yaml" and _is_loadable(path, classes):
-                    try:
-                        load(path, preprocessor)
-                    except FlatlandError as error:
-                        raise PageError(f"{self._page}: {name}: {error}") from None
+        preprocessor = YamlPreprocessor()
+        for name in dict.fromkeys(self._written):
+            path = self._folder / name
+            if path.suffix == ".yaml" and _is_loadable(path, classes):
+                try:
+                    load(path, preprocessor)
+                except FlatlandError as error:
+                    raise PageError(f"{self._page}: {name}: {error}") from None
 
     def _difference(self, block: Block, of: str, shown: str, found: str) -> PageError:
         text = f"{of}:\nthe page shows\n{shown or 'nothing'}\nand it is\n{found}"

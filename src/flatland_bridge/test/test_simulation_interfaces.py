@@ -40,7 +40,7 @@ def test_the_types_are_those_of_the_standard():
     from flatland2d.ros2_messages import Ros2Messages
 
     names = [name for name in TYPES._added if name.startswith(f"{simulation_types.PACKAGE}/")]
-    types = Ros2Messages("jazzy")
+    types = Ros2Messages()
     hashes = [f"{name.split('/')[1]} {types.type_of(TYPES.get(name)).type_hash}" for name in names]
 
     digest = hashlib.sha256("\n".join(sorted(hashes)).encode()).hexdigest()

@@ -14,9 +14,7 @@ from flatland_gym.multi_robot_env import MultiRobotEnv
 
 
 def place(env, *poses):
-    """Puts the robots at poses, and updates their observations."""
-    for name, pose in zip(env.possible_agents, poses):
-        env._navigation.simulation(0).move(name, pose)
+    env.reset(seed=1, options={"start": dict(zip(env.possible_agents, poses))})
 
 
 @pytest.mark.parametrize("world", ["discs", "corridor"])
@@ -50,7 +48,6 @@ def test_it_passes_pettingzoos_render_test_without_a_screen(without_screen):
 
 def test_robots_see_and_hit_each_other():
     env = MultiRobotEnv(robots=2, world="empty_room", goal_distance=(2.0, 4.0), flatten=False)
-    env.reset(seed=1)
     place(env, [-1, 0, 0], [1, 0, np.pi])
     forwards = {agent: np.float32([0.8, 0]) for agent in env.agents}
     observations, *_ = env.step(forwards)
@@ -70,8 +67,7 @@ def test_robots_see_and_hit_each_other():
 
 def test_a_robot_that_is_done_leaves_the_world():
     env = MultiRobotEnv(robots=3, world="empty_room", flatten=False)
-    env.reset(seed=1)
-    place(env, [4.75, 0, 0], [2, 0, 0], [-3, -3, 0])
+    place(env, [4.7, 0, 0], [2, 0, 0], [-3, -3, 0])
     still = np.zeros(2, np.float32)
     while "robot_0" in env.agents:
         actions = dict.fromkeys(env.agents, still)

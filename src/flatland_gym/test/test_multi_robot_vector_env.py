@@ -105,7 +105,7 @@ def test_worlds_without_batches_give_the_same(monkeypatch):
     runs = []
     for threads in (1, 2):
         if threads == 2:
-            monkeypatch.setattr("flatland_gym.simulation_fleet.BatchFleet", refuse)
+            monkeypatch.setattr("flatland_gym.fleet.BatchFleet", refuse)
         envs = MultiRobotVectorEnv(4, threads=threads, **arguments)
         run = [envs.reset(seed=2)]
         for step in range(60):

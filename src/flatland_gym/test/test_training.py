@@ -314,10 +314,10 @@ def test_the_command_trains_and_says_what_is_wrong(tmp_path, capsys):
     [
         (["no/policy.npz"], "No such file or directory: 'no/policy.npz'"),
         (["."], "Is a directory: '.'"),
-        (["a.npz", "--seed", "-1"], 'expected int of 0 or more, found "-1"'),
-        (["a.npz", "--episodes", "0"], 'expected int of 1 or more, found "0"'),
+        (["a.npz", "--seed", "-1"], 'expected a whole number of 0 or more, found "-1"'),
+        (["a.npz", "--episodes", "0"], 'expected a whole number of 1 or more, found "0"'),
         (["a.npz", "--set", "beams"], 'expected NAME=VALUE with a value in YAML, found "beams"'),
-        (["a.npz", "--minutes", "nan"], 'expected float of 0.001 or more, found "nan"'),
+        (["a.npz", "--minutes", "nan"], 'expected a number above 0, 1e+09 at most, found "nan"'),
     ],
 )
 def test_wrong_arguments_are_reported_before_the_training(

@@ -6,9 +6,8 @@ from environments import assert_same, make, make_vector
 from gymnasium.vector import SyncVectorEnv
 
 from flatland2d import FlatlandError, UsageError
-from flatland_gym.fleet import BatchFleet
+from flatland_gym.fleet import BatchFleet, SimulationFleet
 from flatland_gym.multi_robot_vector_env import MultiRobotVectorEnv
-from flatland_gym.simulation_fleet import SimulationFleet
 
 pytestmark = pytest.mark.slow
 

@@ -9,11 +9,10 @@ from environments import ID, assert_same, make, make_vector
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 from flatland2d import DistanceGrid, UsageError, world_content
-from flatland2d.world_source import exported_plugins
 from flatland_gym import SCENARIOS
-from flatland_gym.fleet import BatchFleet
+from flatland_gym.fleet import BatchFleet, SimulationFleet
 from flatland_gym.navigation_world import NavigationWorld
-from flatland_gym.simulation_fleet import SimulationFleet
+from flatland_server.plugins import shared_loader
 
 pytestmark = pytest.mark.slow
 
@@ -195,9 +194,9 @@ def crab(tmp_path, monkeypatch):
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: crab\n")
     (info / "entry_points.txt").write_text(ENTRY_POINT)
     (tmp_path / "crab_of_a_user.py").write_text(CRAB)
-    exported_plugins.cache_clear()  # looked up once in a process
+    shared_loader.cache_clear()  # looked up once in a process
     yield
-    exported_plugins.cache_clear()
+    shared_loader.cache_clear()
 
 
 @pytest.mark.usefixtures("crab")

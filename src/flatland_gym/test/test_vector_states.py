@@ -5,9 +5,8 @@ import pytest
 from environments import assert_same, make_vector
 
 from flatland2d import FlatlandError
-from flatland_gym.fleet import BatchFleet
+from flatland_gym.fleet import BatchFleet, SimulationFleet
 from flatland_gym.multi_robot_vector_env import MultiRobotVectorEnv
-from flatland_gym.simulation_fleet import SimulationFleet
 
 pytestmark = pytest.mark.slow
 

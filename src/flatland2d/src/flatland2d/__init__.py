@@ -18,7 +18,7 @@ from flatland2d.handles import DriveHandle, ModelHandle, SensorHandle
 from flatland2d.robot import find_robot
 from flatland2d.simulation import Simulation
 from flatland2d.touch import Touch
-from flatland2d.world_content import world_content
+from flatland2d.world_source import world_content
 from flatland_server import (
     FlatlandError,
     Float32Array,

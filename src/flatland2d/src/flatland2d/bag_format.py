@@ -15,14 +15,7 @@ from flatland2d.recording_format import (
     unreadable_compression,
 )
 
-_MESSAGE, _BAG, _MESSAGES_INDEX, _CHUNK, _CHUNK_INFO, _CHANNEL = (
-    b"\2",
-    b"\3",
-    b"\4",
-    b"\5",
-    b"\6",
-    b"\7",
-)
+_MESSAGE, _BAG, _MESSAGES_INDEX, _CHUNK, _CHUNK_INFO, _CHANNEL = (bytes([n]) for n in range(2, 8))
 _U32 = struct.Struct("<I").pack
 _U64 = struct.Struct("<Q").pack
 _BAG_SIZE = 4096

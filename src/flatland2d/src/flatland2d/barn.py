@@ -16,12 +16,13 @@ import numpy as np
 import yaml
 
 from flatland_server.arrays import FloatArray, npy_array
-from flatland_server.config import MAX_IMAGE, MAX_YAML, read_input, replacing
+from flatland_server.config import MAX_IMAGE, MAX_YAML, read_input, refusal_by, replacing
 from flatland_server.exceptions import FlatlandError, listed
 
 START = (-2.25, 3.0, 1.57)  # m, m, rad
 GOAL = (START[0], START[1] + 10.0)  # m
 _CELL = 0.15  # m
+_REFUSAL = refusal_by(FlatlandError)
 _FARTHEST, _SMALLEST = 1000.0, 0.001  # cylinders from the origin, and radii [m]
 _CORNER = (-0.075 - 30 * _CELL, 0.075 + 5.0)  # of the grid's first cell [m]
 
@@ -127,7 +128,7 @@ def write_barn(worlds: List[BarnWorld], folder: Path) -> None:
         )
     there = [name for name in files if os.path.lexists(folder / name)]
     for name in there:
-        if read_input(folder / name, MAX_IMAGE, _refusal) != files[name].encode():
+        if read_input(folder / name, MAX_IMAGE, _REFUSAL) != files[name].encode():
             raise FlatlandError(
                 f"{folder / name}: expected a new file, found one with other content: delete it, "
                 "or choose another folder by --out"
@@ -163,7 +164,7 @@ def _cylinders(path: Path) -> FloatArray:
         FlatlandError: the file cannot be read, or has no cylinders, or is no world.
     """
     try:
-        root = ElementTree.fromstring(read_input(path, MAX_YAML, _refusal))
+        root = ElementTree.fromstring(read_input(path, MAX_YAML, _REFUSAL))
         found = [
             (*map(float, model.findtext("pose", "").split()[:2]), float(radius.text or ""))
             for model in root.iter("model")
@@ -190,17 +191,13 @@ def _path_length(path: Path) -> float:
         FlatlandError: the file cannot be read, or has no cells.
     """
     try:
-        cells = npy_array(read_input(path, MAX_YAML, _refusal))
+        cells = npy_array(read_input(path, MAX_YAML, _REFUSAL))
         corners = np.concatenate([[START[:2]], cells * _CELL + _CORNER, [GOAL]])
         if not (np.abs(corners) <= _FARTHEST).all():
             raise ValueError(f"found one farther than {_FARTHEST:g} m from the origin")
         return float(np.hypot(*np.diff(corners, axis=0).T).sum())
     except (ValueError, TypeError) as error:
         raise FlatlandError(f"{path}: expected columns and rows of cells: {error}") from None
-
-
-def _refusal(path: Path, reason: str) -> FlatlandError:
-    return FlatlandError(f"{path}: {reason}")
 
 
 def _dump(content: Any) -> str:

@@ -1,7 +1,7 @@
 """The handles of a simulation's models and of their plugins."""
 
 import inspect
-from typing import Any, Callable, Dict, Generic, List, Tuple, TypeVar, overload
+from typing import Any, Callable, ClassVar, Dict, Generic, List, Tuple, TypeVar, overload
 
 from flatland2d.catalog import Catalog
 from flatland2d.robot import plugins_with
@@ -14,6 +14,7 @@ from flatland_server.exceptions import (
     listed,
     shortened,
     suggestion,
+    unknown,
 )
 from flatland_server.geometry import Pose, Velocity
 from flatland_server.models import Model
@@ -167,14 +168,32 @@ class ModelHandle:
         return self._drives[name]
 
     def _unknown(self, kind: str, name: str, known: List[str]) -> ModelError:
-        hint = suggestion(name, known)
-        return ModelError(
-            f'the model "{self.name}" has no {kind} "{shortened(name)}"{hint}; '
-            f"it has: {listed(known)}"
-        )
+        problem = f'the model "{self.name}" has no {kind}'
+        return ModelError(unknown(problem, name, known, "it has"))
 
 
-class SensorHandle(Generic[Reading]):
+class _PluginHandle:
+    """The common part of the handles of plugins."""
+
+    _kind: ClassVar[str]
+
+    def __init__(self, model: ModelHandle, name: str) -> None:
+        self.name = name
+        self._model = model
+        self._simulation = model._simulation
+        self._current = model._current
+        self._revision = -1  # of the plugin's method that is kept
+
+    @property
+    def type(self) -> str:
+        """The type of the plugin, such as "Laser" or "DiffDrive"."""
+        return self._model.plugin(self.name).type
+
+    def __repr__(self) -> str:
+        return f'<{self._kind} "{self._model.name}/{self.name}">'
+
+
+class SensorHandle(_PluginHandle, Generic[Reading]):
     """A plugin that measures something, by its name; see `ModelPlugin.read`.
 
     The kind of a sensor is known from the world's files alone. To declare it for type checkers:
@@ -189,18 +208,8 @@ class SensorHandle(Generic[Reading]):
         name: the plugin's name.
     """
 
-    def __init__(self, model: ModelHandle, name: str) -> None:
-        self.name = name
-        self._model = model
-        self._timekeeper = model._simulation.timekeeper
-        self._current = model._current
-        self._revision = -1  # of the plugin that `_read` belongs to
-        self._read: Callable[[Timekeeper], Any]
-
-    @property
-    def type(self) -> str:
-        """The type of the plugin, such as "Laser"."""
-        return self._model.plugin(self.name).type
+    _kind = "sensor"
+    _read: Callable[[Timekeeper], Any]
 
     @property
     def quantities(self) -> Tuple[str, ...]:
@@ -256,7 +265,7 @@ class SensorHandle(Generic[Reading]):
             if self._revision != self._current.value:
                 self._read = self._model.plugin(self.name).read
                 self._revision = self._current.value
-            return self._read(self._timekeeper)
+            return self._read(self._simulation.timekeeper)
         plugin = self._model.plugin(self.name)
         known = plugin.quantities
         if quantity not in known:
@@ -264,7 +273,7 @@ class SensorHandle(Generic[Reading]):
                 f'the sensor "{plugin.node.owner}" does not measure "{shortened(quantity)}"'
                 f"{suggestion(quantity, known)}; besides what read() gives: {listed(known)}"
             )
-        return getattr(plugin, f"read_{quantity}")(self._timekeeper)
+        return getattr(plugin, f"read_{quantity}")(self._simulation.timekeeper)
 
     def _fact(self, name: str) -> Any:
         """An attribute of the plugin."""
@@ -273,11 +282,8 @@ class SensorHandle(Generic[Reading]):
             raise UsageError(f'the sensor "{plugin.node.owner}", a {plugin.type}, has no {name}')
         return getattr(plugin, name)
 
-    def __repr__(self) -> str:
-        return f'<sensor "{self._model.name}/{self.name}">'
 
-
-class DriveHandle:
+class DriveHandle(_PluginHandle):
     """A plugin that takes commands, by its name; see `ModelPlugin.command`.
 
     Args:
@@ -288,18 +294,8 @@ class DriveHandle:
         name: the plugin's name.
     """
 
-    def __init__(self, model: ModelHandle, name: str) -> None:
-        self.name = name
-        self._model = model
-        self._transport = model._simulation.transport
-        self._current = model._current
-        self._revision = -1  # of the plugin that `_command` belongs to
-        self._command: Callable[..., None]
-
-    @property
-    def type(self) -> str:
-        """The type of the plugin, such as "DiffDrive"."""
-        return self._model.plugin(self.name).type
+    _kind = "drive"
+    _command: Callable[..., None]
 
     def command(self, *values: Any) -> None:
         """Commands it; takes effect at the next step. See `ModelHandle.command`.
@@ -318,8 +314,9 @@ class DriveHandle:
             self._command(*values)
         except (TypeError, ValueError) as error:
             raise self._wrong_command(values, error) from error
-        if self._transport.on_input is not None:
-            self._transport.on_input((self._model.name, self.name), values)
+        on_input = self._simulation.transport.on_input
+        if on_input is not None:
+            on_input((self._model.name, self.name), values)
 
     def _wrong_command(self, values: Tuple[Any, ...], error: Exception) -> UsageError:
         """The error for a command that the plugin has refused by raising this error."""
@@ -335,6 +332,3 @@ class DriveHandle:
             f'the drive "{owner}" takes command({", ".join(signature.parameters)}), '
             f"found {shown(values)}{reason}"
         )
-
-    def __repr__(self) -> str:
-        return f'<drive "{self._model.name}/{self.name}">'

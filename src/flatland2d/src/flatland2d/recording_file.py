@@ -18,7 +18,7 @@ from flatland2d.bag_format import BagFormat
 from flatland2d.mcap_format import McapFormat
 from flatland2d.recording_format import Channel, Damaged, Format, Recorded
 from flatland_server.arguments import path_of
-from flatland_server.config import open_regular, require_free
+from flatland_server.config import open_regular, refusal_by, require_free
 from flatland_server.exceptions import RecordingError, listed
 
 CHUNK_SIZE = 1 << 20
@@ -99,7 +99,7 @@ def read_recording(path: Path) -> Iterator[Recorded]:
         RecordingError: it cannot be read, or is no recording.
     """
     try:
-        with open_regular(path, _refusal) as file, mmap.mmap(
+        with open_regular(path, refusal_by(RecordingError)) as file, mmap.mmap(
             file.fileno(), 0, prot=mmap.PROT_READ
         ) as data:
             for kind in _FORMATS.values():
@@ -235,10 +235,6 @@ class _Writer:
     def _failure(self, error: Exception, more: str = "") -> RecordingError:
         reason = error.strerror if isinstance(error, OSError) else error
         return RecordingError(f"{self._path}: cannot be written: {reason}{more}")
-
-
-def _refusal(path: Path, problem: str) -> RecordingError:
-    return RecordingError(f"{path}: {problem}")
 
 
 def _write(descriptor: int, data: bytes, position: int) -> int:

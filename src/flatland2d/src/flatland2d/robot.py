@@ -4,7 +4,7 @@ import inspect
 from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from flatland_server import _core
-from flatland_server.exceptions import ModelError, listed, shortened, suggestion
+from flatland_server.exceptions import ModelError, listed, unknown
 from flatland_server.models import Model
 from flatland_server.plugins import BatchRole, CoreDrive, CoreLidar, ModelPlugin, Plugin
 from flatland_server.simulation import World
@@ -74,10 +74,7 @@ def find_robot(world: World, name: Optional[str] = None, lidar: Optional[str] = 
             raise ModelError(f"expected one robot, found {listed(robots)}: say which (robot=...)")
         name = robots[0]
     if name not in drives:
-        hint = suggestion(name, list(drives))
-        raise ModelError(
-            f'there is no model "{shortened(name)}"{hint}; there are: {listed(list(drives))}'
-        )
+        raise ModelError(unknown("there is no model", name, drives))
     model = world.get_model(name)
     if len(drives[name]) != 1:
         found_drives = listed([each.name for each in drives[name]])
@@ -113,7 +110,4 @@ def _choose(model: str, lidars: List[ModelPlugin], name: Optional[str]) -> Model
     for each in lidars:
         if each.name == name:
             return each
-    hint = suggestion(name, names)
-    raise ModelError(
-        f'the model "{model}" has no lidar "{shortened(name)}"{hint}; it has: {listed(names)}'
-    )
+    raise ModelError(unknown(f'the model "{model}" has no lidar', name, names, "it has"))

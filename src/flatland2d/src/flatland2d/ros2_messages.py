@@ -6,18 +6,15 @@ zero; the number of a header is left out. A type that ROS 2 does not have, such 
 flatland_msgs, keeps the definition of ROS 1, with names of fields in lower case.
 """
 
-import logging
 from typing import Any, Callable, Dict, NamedTuple, Tuple
 
-from flatland_server.exceptions import FlatlandError, MissingPackageError, shortened
+from flatland_server.exceptions import MissingPackageError
 
 try:
     from rosbags.convert.converter import is_same_wireformat, migrate_bytes
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 except ImportError:
     get_typestore = None
-
-logger = logging.getLogger(__name__)
 
 
 class Ros2Type(NamedTuple):
@@ -37,32 +34,20 @@ class Ros2Type(NamedTuple):
 
 
 class Ros2Messages:
-    """Types of ROS 1 as those of a distribution of ROS 2.
-
-    Args:
-        distribution: its name; "rolling" is the newest one that rosbags knows. The types that
-            Flatland has are the same since Humble.
+    """Types of ROS 1 as those of ROS 2; those that Flatland has are the same since Humble.
 
     Attributes:
         store: all types of ROS 2 that are known, in the form of rosbags.
 
     Raises:
         MissingPackageError: rosbags is not installed.
-        FlatlandError: there is no such distribution, or rosbags does not know it.
     """
 
-    def __init__(self, distribution: str = "humble") -> None:
+    def __init__(self) -> None:
         if get_typestore is None:
             raise MissingPackageError("messages of ROS 2 need rosbags: pip install 'rosbags>=0.11'")
         self._ros1 = get_typestore(Stores.EMPTY)
-        known = {each.value[5:]: each for each in Stores if each.value.startswith("ros2_")}
-        if distribution == "rolling":
-            distribution = list(known)[-1]
-            logger.warning("ROS 2 rolling: the types of %s are used", distribution)
-        if distribution not in known:
-            names = ", ".join(known)
-            raise FlatlandError(f'expected a ROS 2 of {names}, found "{shortened(distribution)}"')
-        self.store = get_typestore(known[distribution])
+        self.store = get_typestore(Stores.ROS2_HUMBLE)
         self._defaults: Dict[str, object] = {}
         self._types: Dict[str, Ros2Type] = {}
 

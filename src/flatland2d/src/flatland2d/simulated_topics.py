@@ -3,7 +3,7 @@
 from typing import Any, Dict, Iterable
 
 from flatland_server.arguments import shown
-from flatland_server.exceptions import TopicError, UsageError, listed, shortened, suggestion
+from flatland_server.exceptions import TopicError, UsageError, unknown
 from flatland_server.geometry import Transform
 from flatland_server.messages import transform_of
 from flatland_server.simulation import RunWithHistory, World
@@ -114,10 +114,7 @@ class SimulatedTopics(RunWithHistory):
         """Raises a TopicError unless a topic is among those that are known."""
         names = sorted(known)
         if topic not in names:
-            hint = suggestion(topic, names)
-            raise TopicError(
-                f'no plugin {verb} "{shortened(topic)}"{hint}; there are: {listed(names)}', topic
-            )
+            raise TopicError(unknown(f"no plugin {verb}", topic, names), topic)
 
 
 def _absolute(topic: str) -> str:

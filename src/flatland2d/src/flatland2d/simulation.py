@@ -24,7 +24,7 @@ from flatland_server import _core
 from flatland_server.arguments import folders_of, params_of, path_of, several, shown, whole_number
 from flatland_server.arrays import FloatArray, PoseLike, UInt8Array
 from flatland_server.canvas import Points
-from flatland_server.exceptions import ModelError, UsageError, listed, shortened, suggestion
+from flatland_server.exceptions import ModelError, UsageError, needed_module, unknown
 from flatland_server.models import Model
 from flatland_server.plugins import PluginLoader
 from flatland_server.timekeeper import Timekeeper
@@ -102,7 +102,9 @@ class Simulation(SimulatedTopics):
         self._group_models: Tuple[Model, ...] = ()
         self._group = _core.BodyGroup([])
         self.models: Catalog[ModelHandle] = Catalog(
-            lambda: self.world.models, self._handle, self._unknown_model
+            lambda: self.world.models,
+            self._handle,
+            lambda name: ModelError(unknown("there is no model", name, self.world.models)),
         )
 
     def close(self) -> None:
@@ -362,11 +364,16 @@ class Simulation(SimulatedTopics):
         Raises:
             FlatlandError: as for `render`; or Matplotlib is not installed.
         """
-        from flatland2d.rendering.plot import plot
-
+        if ax is None:
+            install = "pip install matplotlib"
+            ax = needed_module("matplotlib.pyplot", "a plot needs Matplotlib", install).gca()
         renderer = self._get_renderer()
         view = renderer.view(follow=follow, width=width)
-        return plot(renderer, ax, view, sensors=sensors, names=names)
+        image = renderer.image(view, sensors=sensors, names=names)
+        ax.imshow(image, extent=view.extent, interpolation="antialiased")
+        ax.set_xlabel("x [m]")
+        ax.set_ylabel("y [m]")
+        return ax
 
     def _repr_png_(self) -> bytes:
         """The picture that a notebook shows of a simulation."""
@@ -394,10 +401,6 @@ class Simulation(SimulatedTopics):
         if name not in self._handles:
             self._handles[name] = ModelHandle(self, name)
         return self._handles[name]
-
-    def _unknown_model(self, name: str) -> ModelError:
-        hint, known = suggestion(name, self.world.models), listed(self.world.models)
-        return ModelError(f'there is no model "{shortened(name)}"{hint}; there are: {known}')
 
     def _bodies(self) -> _core.BodyGroup:
         """The first bodies of all models."""

@@ -100,7 +100,6 @@ def test_a_robot_drives_past_the_cylinders(tmp_path, controller):
     runner = ScenarioRunner(settings)
 
     result = runner.run(scenario)
-    runner.close()
 
     assert result.error == ""
     assert result.row["success"]

@@ -7,7 +7,6 @@ import pytest
 
 from flatland2d import Simulation, messages
 from flatland2d.cli import main
-from flatland2d.ros2_messages import Ros2Messages
 
 rosbags = pytest.importorskip("rosbags.highlevel", reason="rosbags needs Python 3.10")
 
@@ -127,11 +126,3 @@ def test_the_command_records_for_ros_2(tmp_path, capsys):
     with pytest.raises(SystemExit):
         main([*run, "--ros2"])
     assert "--ros2 says what to --record" in capsys.readouterr().err
-
-
-def test_rolling_has_the_types_of_the_newest_known_distribution(caplog):
-    rolling = Ros2Messages("rolling")
-
-    (newest,) = re.findall("ROS 2 rolling: the types of (.+) are used", caplog.text)
-    clock = messages.get("rosgraph_msgs/Clock")
-    assert rolling.type_of(clock).type_hash == Ros2Messages(newest).type_of(clock).type_hash

@@ -20,7 +20,7 @@ from flatland_gym.maps import Maps
 from flatland_gym.navigation_world import NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings, is_whole
 from flatland_server import Segments, from_segments
-from flatland_server.exceptions import listed, suggestion
+from flatland_server.exceptions import unknown
 
 _TRIES = 500
 _TRIES_OF_MODELS = 60
@@ -209,10 +209,8 @@ class EpisodeSampler:
         ranges = ranges_of(_mapping("vary", given), or_numbers=True)
         for name, (low, high) in ranges.items():
             if name not in own:
-                raise UsageError(
-                    f'expected the option vary with names of the argument, found "{name}"'
-                    f"{suggestion(name, own)}; there are: {listed(list(own))}"
-                )
+                problem = "expected the option vary with names of the argument, found"
+                raise UsageError(unknown(problem, name, own))
             least, greatest = own[name]
             if low < least or high > greatest:
                 raise UsageError(

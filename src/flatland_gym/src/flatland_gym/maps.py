@@ -1,7 +1,7 @@
 """Maps of episodes: walls that a function makes, in place of those of the world's first layer."""
 
-from collections import OrderedDict
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -43,18 +43,10 @@ class Maps:
     def __init__(self, settings: NavigationSettings, world: NavigationWorld, count: int) -> None:
         self._make: Any = settings.maps
         self._world = world
-        self._most = count + _KEPT
-        self._maps: OrderedDict[int, Map] = OrderedDict()
+        self._get = lru_cache(count + _KEPT)(self._made)
 
     def __getitem__(self, number: int) -> Map:
-        if number in self._maps:
-            self._maps.move_to_end(number)
-            return self._maps[number]
-        found = self._made(number)
-        self._maps[number] = found
-        if len(self._maps) > self._most:
-            self._maps.popitem(last=False)
-        return found
+        return self._get(number)
 
     def _made(self, number: int) -> Map:
         """Makes a map.

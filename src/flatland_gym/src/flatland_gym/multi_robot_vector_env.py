@@ -4,10 +4,9 @@ from typing import Any, Dict, Mapping, Tuple
 
 import numpy as np
 from gymnasium import spaces
-from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 
-from flatland_gym.navigation import Navigation
+from flatland_gym.navigation import Navigation, Steps
 from flatland_gym.navigation_vector_env import NavigationVectorEnv
 from flatland_gym.settings import NavigationSettings
 from flatland_gym.team import Team, check_team
@@ -20,7 +19,7 @@ class MultiRobotVectorEnv(NavigationVectorEnv):
     Observations, actions, rewards, ends and infos have the shape (n, m, ...), with zeros for robots
     after the end of their episodes. An environment is reset, as the autoreset mode says, when the
     episodes of all its robots have ended. The results equal, bit for bit, those of n
-    `MultiRobotEnv`.
+    `MultiRobotEnv`. Actions of robots after the end of their episodes have no effect.
 
     Args:
         num_envs: number of environments, n.
@@ -52,32 +51,17 @@ class MultiRobotVectorEnv(NavigationVectorEnv):
         self._acted = np.zeros_like(self._team.present)  # in the last step, or reset
         self.possible_agents = list(self.navigation.robot_names)
 
-    def step(self, actions: Any) -> Tuple[Any, FloatArray, BoolArray, BoolArray, Dict[str, Any]]:
-        """Drives all robots that are there for `frame_skip` steps.
-
-        Args:
-            actions: shape (n, m, size of an action), finite; those of other robots have no effect.
-
-        Raises:
-            UsageError: as by `NavigationVectorEnv.step`. All is as before.
-        """
-        checked = self._checked(actions)
-        team, mode, restarted = self._team, self.autoreset_mode, self._ended
-        self._acted = team.present.copy()
-        rewards, terminated, truncated = team.step(checked.reshape(-1, checked.shape[-1]))
-        if mode == AutoresetMode.NEXT_STEP and restarted.any():
-            self._begin(np.flatnonzero(restarted), {})
-        self._ended = ~team.present.any(axis=1)
-        final: Dict[str, Any] = {}
-        if mode == AutoresetMode.SAME_STEP and self._ended.any():
-            final = self._final(self._ended)
-            self._begin(np.flatnonzero(self._ended), {})
-        infos = self._infos(np.ones_like(self._ended))
-        return self._observations(), rewards, terminated, truncated, {**final, **infos}
-
     def state(self) -> Float32Array:
         """The states of the environments: a new array; a row is `MultiRobotEnv.state`."""
         return self._team.state()
+
+    def _drive(self, actions: FloatArray, restarted: BoolArray) -> Steps:
+        self._acted = self._team.present.copy()
+        return self._team.step(actions.reshape(-1, actions.shape[-1]))
+
+    def _are_over(self, ended: BoolArray) -> BoolArray:
+        over: BoolArray = ~self._team.present.any(axis=1)
+        return over
 
     def _make_navigation(self, settings: NavigationSettings, threads: int) -> Navigation:
         check_team(*self._rules, settings)

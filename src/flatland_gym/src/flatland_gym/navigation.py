@@ -10,18 +10,17 @@ import numpy as np
 
 from flatland2d import BatchObservation, Simulation, UsageError
 from flatland_gym.episodes import EpisodeSampler, options_of
-from flatland_gym.fleet import Fleet, Motions
+from flatland_gym.fleet import Fleet, Motions, make_fleet
 from flatland_gym.maps import Maps
 from flatland_gym.navigation_world import load_all
 from flatland_gym.neighbors import Neighbors
-from flatland_gym.observations import as_dict, goal_distances
+from flatland_gym.observations import STANDARD, goal_distances
 from flatland_gym.parts import Known, Parts, Situation, parts_of
 from flatland_gym.pictures import RENDER_MODES, picture, status_line
 from flatland_gym.policy import Policy
 from flatland_gym.reward_functions import evaluate_step, frozen
 from flatland_gym.rewards import OtherModels, Transition
 from flatland_gym.settings import NavigationSettings
-from flatland_gym.simulation_fleet import RobotSimulation, make_fleet
 from flatland_server import BoolArray, Float32Array, FloatArray, IntArray, Segments
 from flatland_server._core import GoalObserver
 
@@ -43,8 +42,7 @@ class Navigation:
         settings: settings of the environments.
         count: number of environments, n.
         threads: how many are stepped at a time; results do not depend on it.
-        robots: how many each environment has, m. A single environment of several is a `Simulation`,
-            also where a batch would do. Results do not depend on that.
+        robots: how many each environment has, m.
 
     Attributes:
         metadata: Gymnasium's, of these environments.
@@ -83,15 +81,15 @@ class Navigation:
         self.options = {}
         self._fleets: Dict[int, Fleet] = {}
         self._threads = threads
-        is_plain = settings.maps is None and not settings.vary
-        self._is_single = count == 1 and robots > 1 and is_plain
         self.action_space = self.robot.action_space()
-        self._parts = self._parts_of(settings.observation)
-        self._privileged = self._parts_of(settings.privileged)
-        self.observation_space = self.robot.observation_space(settings)
-        if self._parts is not None:
-            flat = self._parts.flat_space
-            self.observation_space = flat if settings.flatten else self._parts.dict_space
+        self._is_standard = settings.observation is None
+        standard = STANDARD if settings.neighbors else STANDARD[:-1]
+        self._parts = self._parts_of(standard if self._is_standard else settings.observation)
+        self._privileged = None
+        if settings.privileged is not None:
+            self._privileged = self._parts_of(settings.privileged)
+        parts = self._parts
+        self.observation_space = parts.flat_space if settings.flatten else parts.dict_space
         self._limits = self.robot.actions
         self._observer = GoalObserver(
             self.robot.beams, self.robot.max_range, self.robot.velocity_limits
@@ -156,7 +154,11 @@ class Navigation:
         for number, index in enumerate(indices.tolist()):
             tries = 1
             while self._fleet(episodes[number].world).is_blocked(index, episodes[number]):
-                require_tries(tries)
+                if tries >= _TRIES:
+                    raise UsageError(
+                        "the start or the goal lies in walls that a plugin of the world has added "
+                        f"(tried {_TRIES} times)"
+                    )
                 tries += 1
                 episode = episodes[number] = self._sampler.draw(generators[number], own[number])
                 self._fleet(episode.world).reset(np.array([index]), [episode])
@@ -199,6 +201,22 @@ class Navigation:
         self.steps[indices] += 1
         distances = goal_distances(state.poses, self.goals)
         successes = (distances < settings.goal_radius) & ~state.collided
+        rewards, terminated = self._evaluate(distances, successes, actions, indices)
+        if len(indices) == len(distances):  # quicker than with a mask
+            self.distances, self.successes = distances, successes
+            return rewards, terminated.copy(), ~terminated & (self.steps >= self._longest_episode)
+        rows = np.zeros(len(distances), dtype=bool)
+        rows[indices] = True
+        truncated = rows & ~terminated & (self.steps >= self._longest_episode)
+        self.distances = np.where(rows, distances, self.distances)
+        self.successes = np.where(rows, successes, self.successes)
+        return np.where(rows, rewards, 0.0), terminated & rows, truncated
+
+    def _evaluate(
+        self, distances: FloatArray, successes: BoolArray, actions: FloatArray, indices: IntArray
+    ) -> Tuple[FloatArray, BoolArray]:
+        """Rewards and terminations of a step of these rows."""
+        state = self.rows
         transition = Transition(
             self.distances,
             distances,
@@ -212,16 +230,7 @@ class Navigation:
             self._period,
             self._models(indices),
         )
-        rewards, terminated = evaluate_step(transition, settings)
-        if len(indices) == len(distances):  # quicker than with a mask
-            self.distances, self.successes = distances, successes
-            return rewards, terminated.copy(), ~terminated & (self.steps >= self._longest_episode)
-        rows = np.zeros(len(distances), dtype=bool)
-        rows[indices] = True
-        truncated = rows & ~terminated & (self.steps >= self._longest_episode)
-        self.distances = np.where(rows, distances, self.distances)
-        self.successes = np.where(rows, successes, self.successes)
-        return np.where(rows, rewards, 0.0), terminated & rows, truncated
+        return evaluate_step(transition, self.settings)
 
     def retire(self, indices: IntArray, leaving: BoolArray) -> None:
         """Stops robots after the ends of their episodes, in environments in which others go on.
@@ -321,16 +330,14 @@ class Navigation:
 
     def observe(self) -> Float32Array:
         """Flat observations of all robots: a new array."""
-        return self._standard() if self._parts is None else self._parts.flat(self._known())
+        return self._standard() if self._is_standard else self._parts.flat(self._known())
 
     def privileged(self) -> Float32Array:
         """The parts in the setting `privileged`, of all robots: a new array."""
         assert self._privileged is not None
         return self._privileged.flat(self._known())
 
-    def _parts_of(self, setting: Any) -> Optional[Parts]:
-        if setting is None:
-            return None
+    def _parts_of(self, setting: Any) -> Parts:
         velocities = sum(limit > 0.0 for limit in self.robot.velocity_limits)
         sizes = self.robot.beams, velocities, self.settings.neighbors
         return Parts(parts_of(setting), *sizes, self._walls_at, self._others)
@@ -366,11 +373,7 @@ class Navigation:
 
     def formed(self, observations: Float32Array) -> Any:
         """Observations in the form of the settings: flat, or as a dict."""
-        if self.settings.flatten:
-            return observations
-        if self._parts is not None:
-            return self._parts.as_dict(observations)
-        return as_dict(observations, self.robot.beams, self.settings.neighbors)
+        return observations if self.settings.flatten else self._parts.as_dict(observations)
 
     def info(self) -> Dict[str, Any]:
         """The entries of infos, for all robots: new arrays."""
@@ -412,7 +415,7 @@ class Navigation:
 
     def require_standard(self) -> None:
         """Raises a UsageError if observations are of a user's own parts."""
-        if self._parts is not None:
+        if not self._is_standard:
             raise UsageError(
                 "a policy of flatland_gym observes ranges, goal, velocity and neighbours: expected "
                 "no argument observation"
@@ -450,11 +453,7 @@ class Navigation:
         """The fleet of a world."""
         if world not in self._fleets:
             found, settings = self._worlds[world], self.settings
-            self._fleets[world] = (
-                RobotSimulation(found, settings, self.rows)
-                if self._is_single
-                else make_fleet(found, settings, self.rows, self._threads, self._maps)
-            )
+            self._fleets[world] = make_fleet(found, settings, self.rows, self._threads, self._maps)
         return self._fleets[world]
 
     def checked_actions(self, actions: Any, shape: Tuple[int, ...]) -> FloatArray:
@@ -494,12 +493,3 @@ def row_of(infos: Mapping[str, Any], index: int) -> Dict[str, Any]:
         name: values[index].item() if values.ndim == 1 else values[index]
         for name, values in infos.items()
     }
-
-
-def require_tries(count: int) -> None:
-    """Raises a UsageError after too many tries to begin an episode."""
-    if count >= _TRIES:
-        raise UsageError(
-            "the start or the goal lies in walls that a plugin of the world has added (tried "
-            f"{_TRIES} times)"
-        )

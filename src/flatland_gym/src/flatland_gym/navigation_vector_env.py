@@ -17,7 +17,7 @@ from flatland2d import UsageError
 from flatland2d.batch.arguments import states_of
 from flatland2d.rendering.film import side_by_side
 from flatland_gym.episodes import options_of
-from flatland_gym.navigation import Navigation
+from flatland_gym.navigation import Navigation, Steps
 from flatland_gym.pickling import ByArguments
 from flatland_gym.pictures import check_render_mode
 from flatland_gym.settings import NavigationSettings, is_whole
@@ -158,11 +158,10 @@ class NavigationVectorEnv(ByArguments, VectorEnv[Any, Any, Any]):
         """
         checked, mode = self._checked(actions), self.autoreset_mode
         restarted = self._ended if mode == AutoresetMode.NEXT_STEP else np.zeros_like(self._ended)
-        rewards, terminated, truncated = self.navigation.step(checked, np.flatnonzero(~restarted))
-        truncated |= ~restarted & (self.navigation.steps >= self._most_steps)
+        rewards, terminated, truncated = self._drive(checked, restarted)
         if restarted.any():
             self._begin(np.flatnonzero(restarted), {})
-        self._ended = terminated | truncated
+        self._ended = self._are_over(terminated | truncated)
         final: Dict[str, Any] = {}
         if mode == AutoresetMode.SAME_STEP and self._ended.any():
             final = self._final(self._ended)
@@ -284,6 +283,16 @@ class NavigationVectorEnv(ByArguments, VectorEnv[Any, Any, Any]):
         """
         self._is_running = False
         self.navigation.close()
+
+    def _drive(self, actions: FloatArray, restarted: BoolArray) -> Steps:
+        """Makes a step in all environments but those that are reset instead."""
+        rewards, terminated, truncated = self.navigation.step(actions, np.flatnonzero(~restarted))
+        truncated |= ~restarted & (self.navigation.steps >= self._most_steps)
+        return rewards, terminated, truncated
+
+    def _are_over(self, ended: BoolArray) -> BoolArray:
+        """The environments to reset, given the episodes that have ended in the step."""
+        return ended
 
     def _make_navigation(self, settings: NavigationSettings, threads: int) -> Navigation:
         return Navigation(settings, self.num_envs, threads)

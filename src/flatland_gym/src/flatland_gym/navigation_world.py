@@ -10,14 +10,14 @@ import numpy as np
 
 from flatland2d import DistanceGrid, FlatlandError, Pose, Simulation, UsageError, find_robot
 from flatland2d.batch.variation import with_values
-from flatland2d.world_content import content_with
+from flatland2d.world_source import content_with
 from flatland_gym.map_space import MapSpace
 from flatland_gym.robot import Content, Robot, scale_footprints, set_beams
 from flatland_gym.scenarios import SCENARIOS
 from flatland_gym.settings import NavigationSettings, WorldName
 from flatland_server import Segments, WorldConfig
 from flatland_server.arguments import params_of
-from flatland_server.exceptions import listed, suggestion
+from flatland_server.exceptions import unknown
 from flatland_server.transport import LocalTransport, absolute_name
 
 PARKING = 5000.0
@@ -237,10 +237,7 @@ def load_all(settings: NavigationSettings, robots: int) -> List[NavigationWorld]
     for name in settings.params:
         if absolute_name(name) not in read:
             known = sorted(each for each in read if not each.startswith("/~"))
-            raise UsageError(
-                f'nothing in the world reads the parameter "{name}"{suggestion(name, known)}; '
-                f"there are: {listed(known)}"
-            )
+            raise UsageError(unknown("nothing in the world reads the parameter", name, known))
     return loaded
 
 

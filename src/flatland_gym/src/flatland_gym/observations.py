@@ -16,6 +16,9 @@ import numpy as np
 
 from flatland_server import Float32Array, FloatArray
 
+STANDARD = ("ranges", "goal", "velocity", "neighbors")
+"""The parts, in their order."""
+
 FARTHEST = 10.0
 FASTEST = 2.0
 NEIGHBOR = 6

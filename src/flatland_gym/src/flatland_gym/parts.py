@@ -11,7 +11,7 @@ import numpy as np
 from gymnasium import spaces
 
 from flatland2d import UsageError
-from flatland_gym.observations import NEIGHBOR, as_dict, bounds, neighbor_rows
+from flatland_gym.observations import NEIGHBOR, STANDARD, as_dict, bounds, neighbor_rows
 from flatland_gym.rewards import OtherModels
 from flatland_server import BoolArray, Float32Array, FloatArray, IntArray, Segments, cos_sin
 from flatland_server._core import FloorSquares, lower_to_walls
@@ -90,7 +90,7 @@ class MapCrop:
 
 Part = Union[str, MapCrop, ObservationPart, Function]
 
-OURS = ("ranges", "goal", "velocity", "neighbors", "map", "pose", "models")
+OURS = (*STANDARD, "map", "pose", "models")
 """The names of our parts."""
 
 

@@ -18,7 +18,7 @@ from flatland_server import Float32Array, FloatArray, PoseLike
 from flatland_server._core import GoalObserver
 from flatland_server.arguments import path_of
 from flatland_server.arrays import npy_array
-from flatland_server.config import MIB, read_input
+from flatland_server.config import MIB, read_input, refusal_by
 
 _FORMAT = "flatland policy 1"
 
@@ -138,7 +138,7 @@ class Policy:
         if str(path) in _SHIPPED:
             path = _POLICIES / f"{path}.npz"
         found = path_of(path, "the path of a policy")
-        content = _arrays(read_input(found, _LARGEST, _refusal), found)
+        content = _arrays(read_input(found, _LARGEST, refusal_by(FlatlandError)), found)
         try:
             if str(content["format"]) != _FORMAT:
                 raise ValueError(f'the format is "{content["format"]}"')
@@ -195,10 +195,6 @@ def layer_values(
         value = values[-1] @ weight + bias
         values.append(np.tanh(value) if number < len(weights) - 1 else value)
     return values
-
-
-def _refusal(path: Path, problem: str) -> FlatlandError:
-    return FlatlandError(f"{path}: {problem}")
 
 
 def _arrays(content: bytes, path: Path) -> Dict[str, Any]:

@@ -8,7 +8,6 @@ import numpy as np
 from gymnasium import spaces
 
 from flatland2d import UsageError, find_robot
-from flatland_gym.observations import as_dict, bounds
 from flatland_gym.settings import NavigationSettings
 from flatland_server import FloatArray, ModelPlugin, World
 
@@ -87,15 +86,6 @@ class Robot:
         """The commands of the drive in its own units, within its limits: a new space."""
         high = self.actions.astype(np.float32)
         return spaces.Box(-high, high, dtype=np.float32)
-
-    def observation_space(self, settings: NavigationSettings) -> "spaces.Space[Any]":
-        """The space of its observations; see `observations`."""
-        parts = sum(limit > 0.0 for limit in self.velocity_limits)
-        ends = bounds(self.beams, parts, settings.neighbors)
-        if settings.flatten:
-            return spaces.Box(*ends, dtype=np.float32)
-        low, high = (as_dict(end, self.beams, settings.neighbors) for end in ends)
-        return spaces.Dict({key: spaces.Box(low[key], high[key], dtype=np.float32) for key in low})
 
 
 def _mirrored_beams(lidar: ModelPlugin) -> Tuple[int, ...]:

@@ -1,6 +1,6 @@
 """Drives the robots of a sweep (`flatland sweep`) by a trained policy."""
 
-from typing import Dict
+from functools import lru_cache
 
 import numpy as np
 
@@ -22,7 +22,7 @@ def drive(run: SweepRun, file: str) -> None:
     Raises:
         FlatlandError: the file is none of a policy, or the robot or the task do not fit to it.
     """
-    policy = _load(file)
+    policy = _load_once(file)
     lidar = _lidar_of(run, policy.beams)
     layers = run.simulation.world.layers
     hiding = [] if policy.neighbors_behind_walls else [layer.segments for layer in layers]
@@ -61,11 +61,4 @@ def _lidar_of(run: SweepRun, beams: int) -> SensorHandle[Float32Array]:
     return lidars[counts.index(beams)]
 
 
-_policies: Dict[str, Policy] = {}
-
-
-def _load(file: str) -> Policy:
-    """The policy of a file, read once in a process."""
-    if file not in _policies:
-        _policies[file] = Policy.load(file)
-    return _policies[file]
+_load_once = lru_cache(maxsize=None)(Policy.load)

@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
-import yaml
 
 from flatland2d import FlatlandError, UsageError
+from flatland2d.cli.arguments import INTERRUPTED, pair, positive, whole_from
 from flatland2d.sweep.intervals import rate
 from flatland_gym.observations import mirror_signs
 from flatland_gym.policy import Policy, layer_values
@@ -42,7 +42,6 @@ _LEAST_WIDTH = 0.05  # standard deviation of a normalised observation
 _LOG_TWO_PI = math.log(2.0 * math.pi)
 
 _FIRST_UNSEEN = 1_000_000  # seed of an evaluation; those of training are below
-_INTERRUPTED = 130  # exit code after Ctrl-C
 
 Arrays = List[Float32Array]
 
@@ -427,7 +426,7 @@ def _train(options: argparse.Namespace) -> int:
             learner.policy().save(options.policy)
             steps = progress[-1].steps if progress else 0
             print(f"{options.policy}: interrupted after {steps} steps", file=sys.stderr)
-            return _INTERRUPTED
+            return INTERRUPTED
     policy.save(options.policy)
     used = time.process_time() - begin
     print(f"trained: {progress[-1].steps} steps, {used:.0f} s of processor time")
@@ -448,36 +447,6 @@ def _rates(result: "Evaluation") -> str:
     return ", ".join(parts)
 
 
-def _number(kind: Callable[[str], float], minimum: float) -> Callable[[str], float]:
-    """The type of an argument that is a number of a minimum or more."""
-
-    def read(text: str) -> float:
-        try:
-            value = kind(text)
-        except ValueError:
-            value = math.nan
-        if not value >= minimum:
-            problem = f'expected {kind.__name__} of {minimum} or more, found "{text}"'
-            raise argparse.ArgumentTypeError(problem)
-        return value
-
-    return read
-
-
-def _setting(text: str) -> Tuple[str, Any]:
-    """The name and the value of an argument of the environment."""
-    name, separator, value = text.partition("=")
-    try:
-        found = yaml.safe_load(value)
-    except yaml.YAMLError:
-        separator = ""
-    if not (name and separator):
-        raise argparse.ArgumentTypeError(
-            f'expected NAME=VALUE with a value in YAML, found "{text}"'
-        )
-    return name, found
-
-
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python3 -m flatland_gym.train", description="Trains a policy by PPO."
@@ -485,18 +454,18 @@ def _parser() -> argparse.ArgumentParser:
     add = parser.add_argument
     add("policy", type=Path, help="the file to write: .npz")
     add("--world", default="discs", help="a scenario, a shipped world or a file (default: discs)")
-    add("--minutes", type=_number(float, 0.001), default=4.0, help="to train at most (default: 4)")
+    add("--minutes", type=positive, default=4.0, help="to train at most (default: 4)")
     many = 10**9
-    add("--steps", type=_number(int, 1), default=many, help="to train at most, of all environments")
-    add("--seed", type=_number(int, 0), default=1, help="of all random numbers (default: 1)")
-    add("--envs", type=_number(int, 1), default=128, help="environments at a time (default: 128)")
-    add("--threads", type=_number(int, 1), default=2, help="that step them (default: 2)")
-    add("--episodes", type=_number(int, 1), default=200, help="of the evaluation (default: 200)")
+    add("--steps", type=whole_from(1), default=many, help="to train at most, of all environments")
+    add("--seed", type=whole_from(0), default=1, help="of all random numbers (default: 1)")
+    add("--envs", type=whole_from(1), default=128, help="environments at a time (default: 128)")
+    add("--threads", type=whole_from(1), default=2, help="that step them (default: 2)")
+    add("--episodes", type=whole_from(1), default=200, help="of the evaluation (default: 200)")
     add("--learning-rate", type=float, default=1e-3, help="at the beginning (default: 0.001)")
     add("--discount", type=float, default=0.99, help="of rewards, per step (default: 0.99)")
     add(
         "--set",
-        type=_setting,
+        type=pair,
         action="append",
         default=[],
         metavar="NAME=VALUE",

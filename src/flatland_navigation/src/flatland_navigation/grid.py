@@ -6,6 +6,7 @@ from typing import Optional, Tuple
 import numpy as np
 
 from flatland_server import BoolArray, FloatArray, Point, Segments, _core, from_segments
+from flatland_server.array_math import is_enclosed
 
 Cell = Tuple[int, int]
 """Row and column; the bottom left cell is (0, 0)."""
@@ -60,18 +61,9 @@ class Grid:
         return grid
 
     def encloses(self, point: Point, other: Point) -> bool:
-        """True if closed walls lie around one of two points [m] alone, as around furniture.
-
-        By the even-odd rule: from within, one crosses an odd number of closed walls.
-        """
-        x1, y1, x2, y2 = _closed(self.walls).T
-        inside = []
-        for x, y in (point, other):
-            crosses = (y1 > y) != (y2 > y)
-            # A ray to the right: the wall's x there, without a division by zero.
-            height = np.where(crosses, y2 - y1, 1.0)
-            inside.append((crosses & (x1 + (y - y1) / height * (x2 - x1) > x)).sum() % 2)
-        return bool(inside[0] != inside[1])
+        """True if closed walls lie around one of two points [m] alone, as around furniture."""
+        walls = _closed(self.walls)
+        return is_enclosed(point, walls) != is_enclosed(other, walls)
 
     def with_obstacles(self, points: FloatArray) -> "Grid":
         """A copy in which the cells around further points [m] are blocked: shape (n, 2)."""

@@ -12,6 +12,7 @@ from flatland_navigation.follower import FollowerConfig
 from flatland_navigation.grid import Grid
 from flatland_navigation.navigator import NavigatorConfig
 from flatland_server import FlatlandError, Pose, Segments, WorldConfig
+from flatland_server.hub import positive_param
 
 POSE_SOURCES = ("ground_truth", "tf")
 
@@ -161,7 +162,4 @@ def read_number(name: str, default: float) -> float:
 
 
 def _positive(name: str, default: float) -> float:
-    number = read_number(name, default)
-    if number > 0.0:
-        return number
-    raise FlatlandError(f"~{name}: expected a number above 0, found {number:g}")
+    return positive_param(rospy.get_param, f"~{name}", default)

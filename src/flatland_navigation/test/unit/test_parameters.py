@@ -42,9 +42,9 @@ def test_the_nodes_world_comes_before_the_servers(params):
     ("name", "value", "message"),
     [
         ("~max_speed", 0, "~max_speed: expected a number above 0, found 0"),
-        ("~lookahead", "far", "~lookahead: expected a number, found far"),
-        ("~clearance", float("inf"), "~clearance: expected a number, found inf"),
-        ("~robot_radius", True, "~robot_radius: expected a number, found True"),
+        ("~lookahead", "far", "~lookahead: expected a number above 0, found far"),
+        ("~clearance", float("inf"), "~clearance: expected a number above 0, found inf"),
+        ("~robot_radius", True, "~robot_radius: expected a number above 0, found True"),
         ("~pose_source", "gps", "~pose_source: expected ground_truth or tf, found gps"),
         ("~layers", "map", "~layers: expected a list of names, found map"),
         ("/flatland_server/world_path", "", "no world: start the server first"),

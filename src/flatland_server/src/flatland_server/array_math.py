@@ -12,6 +12,7 @@ from typing import Tuple
 import numpy as np
 
 from flatland_server.arrays import FloatArray
+from flatland_server.geometry import Point
 
 
 def cos_sin(angles: FloatArray) -> Tuple[FloatArray, FloatArray]:
@@ -32,6 +33,22 @@ def headings(vectors: FloatArray) -> FloatArray:
     """
     x, y = np.ascontiguousarray(np.moveaxis(vectors, -1, 0))
     return np.asarray(np.arctan2(y, x))
+
+
+def is_enclosed(point: Point, segments: FloatArray) -> bool:
+    """True if a point is inside of closed outlines, by the even-odd rule.
+
+    From within, one crosses an odd number of them.
+
+    Args:
+        point: x, y [m].
+        segments: x1, y1, x2, y2 [m]: shape (m, 4).
+    """
+    (x, y), (x1, y1, x2, y2) = point, segments.T
+    rows = np.flatnonzero((y1 > y) != (y2 > y))
+    x1, y1, x2, y2 = (each[rows] for each in (x1, y1, x2, y2))
+    crossings = x1 + (y - y1) / (y2 - y1) * (x2 - x1) > x  # to the right
+    return bool(np.count_nonzero(crossings) % 2)
 
 
 def from_segments(points: FloatArray, segments: FloatArray) -> FloatArray:

@@ -17,10 +17,11 @@ The core adds `GoneError`, a `ReferenceError`: a handle to a deleted body, joint
 Messages tell the user where the problem is, what was expected and what was found.
 """
 
+import importlib
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import Callable, Collection, Iterable, List, Optional, Tuple
+from typing import Any, Callable, Collection, Iterable, List, Optional, Tuple
 
 MAX_SHOWN = 50
 """The number of problems of a `YamlError` that are shown."""
@@ -135,6 +136,24 @@ class MissingPackageError(FlatlandError, ImportError):
     """A Python package that is needed is not installed; the message says how to install it."""
 
 
+def needed_module(name: str, need: str, install: str) -> Any:
+    """A module of a package that not all users have.
+
+    Args:
+        name: of the module, which is imported.
+        need: what needs the package, and its name, such as "a plot needs Matplotlib".
+        install: how to install it.
+
+    Raises:
+        MissingPackageError: it is not installed.
+    """
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        reason = str(error).splitlines()[0]
+        raise MissingPackageError(f"{need}: {install} ({reason})") from None
+
+
 def pip_install(extra: str) -> str:
     """The command that installs an extra. flatland2d is on no registry yet, so it names a clone."""
     return f"pip install '.[{extra}]' in Flatland's clone"
@@ -215,6 +234,18 @@ def suggestion(word: object, known: Iterable[str]) -> str:
     """
     near = nearest(word, known)
     return "" if near is None else f' (did you mean "{near}"?)'
+
+
+def unknown(problem: str, word: str, known: Collection[str], there: str = "there are") -> str:
+    """The message for a word that is not known, with a hint and the words that are.
+
+    Args:
+        problem: what comes before the word, such as "there is no model".
+        word: the word that was found.
+        known: the words that are valid.
+        there: what comes before these.
+    """
+    return f'{problem} "{shortened(word)}"{suggestion(word, known)}; {there}: {listed(known)}'
 
 
 def nearest(word: object, known: Iterable[str]) -> Optional[str]:

@@ -39,9 +39,7 @@ def get_param(path: str, default: Any) -> Any:
 
 @pytest.fixture(scope="module")
 def preprocessor():
-    preprocessor = YamlPreprocessor(get_param)
-    yield preprocessor
-    preprocessor.close()
+    return YamlPreprocessor(get_param)
 
 
 @pytest.fixture

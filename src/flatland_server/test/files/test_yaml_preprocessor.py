@@ -2,7 +2,6 @@
 
 import logging
 import os
-from collections import OrderedDict
 from typing import Any
 
 import pytest
@@ -16,17 +15,13 @@ from flatland_server.exceptions import YamlError
 @pytest.fixture
 def read(files):
     """Reads the text of a file into plain values: `read(text, params)`."""
-    preprocessors = []
 
     def read(text: str, params: Any = None) -> Any:
         params = params or {}
         preprocessor = YamlPreprocessor(lambda path, default: params.get(path, default))
-        preprocessors.append(preprocessor)
         return plain(preprocessor.read(files.write("parent.yaml", text)))
 
-    yield read
-    for preprocessor in preprocessors:
-        preprocessor.close()
+    return read
 
 
 def plain(node: yaml.Node) -> Any:
@@ -57,19 +52,29 @@ def test_a_file_is_parsed_again_only_if_it_has_changed(files, read, monkeypatch)
     assert read(text) == {"foo": {"a": 9}, "bar": ""}
 
 
-def test_few_files_are_kept(files, read, monkeypatch):
-    monkeypatch.setattr(composed_files, "_kept", OrderedDict())
-    monkeypatch.setattr(composed_files, "_MAX_KEPT", 20)
-    for name in ("one", "two", "three"):
-        files.write(f"{name}.yaml", "[1, 2, 3, 4, 5]\n")
-        read(f"foo: $include {name}.yaml\n")
+@pytest.mark.parametrize(("count", "is_kept"), [(100, True), (100_000, False)])
+def test_a_file_is_kept_unless_it_is_large(files, count, is_kept):
+    path = files.write("file.yaml", f"[{'1, ' * count}]\n")
 
-    assert [path.name for path in composed_files._kept] == ["two.yaml", "parent.yaml", "three.yaml"]
+    first, second = (composed_files.compose_file(path) for _ in range(2))
 
-    files.write("three.yaml", f"[{'1, ' * 30}]\n")
-    read("foo: $include three.yaml\n")
+    assert (first is second) == is_kept
 
-    assert [path.name for path in composed_files._kept] == ["two.yaml", "parent.yaml"]
+
+def test_few_files_are_kept(files):
+    paths = [files.write(f"{number}.yaml", "[1, 2]\n") for number in range(50)]
+    first = composed_files.compose_file(paths[0])
+    for path in paths:
+        composed_files.compose_file(path)
+
+    assert composed_files.compose_file(paths[0]) is not first
+
+
+def test_a_kept_file_is_read_again_once_it_has_changed(files):
+    first = composed_files.compose_file(files.write("file.yaml", "[1, 2]\n"))
+    second = composed_files.compose_file(files.write("file.yaml", "[1, 2, 3]\n"))
+
+    assert (first.value_count, second.value_count) == (3, 4)
 
 
 # Includes

@@ -7,9 +7,9 @@ import pytest
 
 from flatland_server.exceptions import UsageError
 from flatland_server.messages.conversions import set_stamp_offset
+from flatland_server.simulation.pacer import WallTimekeeper
 from flatland_server.simulation.run import Run
 from flatland_server.simulation.simulation_manager import SimulationManager
-from flatland_server.simulation.wall_timekeeper import WallTimekeeper
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport

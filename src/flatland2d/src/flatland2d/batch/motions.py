@@ -9,7 +9,7 @@ from flatland2d.batch.robot import PluginRole
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, FloatArray, IntArray, Segments
 from flatland_server.exceptions import PLUGIN_ERRORS, StateError
-from flatland_server.plugins import BatchMotion, plugin_rng
+from flatland_server.plugins import BatchMotion, plugin_label, plugin_rng
 from flatland_server.simulation import PluginState
 from flatland_server.update_timer import UpdateTimer, due_after
 
@@ -142,5 +142,5 @@ def _state_errors(each: _Entry) -> Iterator[None]:
     try:
         yield
     except PLUGIN_ERRORS as error:
-        label = f"{each.owner}/{each.name}" if each.owner else each.name
+        label = plugin_label(each.owner, each.name)
         raise StateError(f'the plugin "{label}": {type(error).__name__}: {error}') from error

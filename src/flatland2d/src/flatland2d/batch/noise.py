@@ -1,6 +1,6 @@
 """The noise of the lidars of a batch."""
 
-from typing import Dict, List, Mapping, Optional, Sequence, Set, Tuple
+from typing import Dict, List, Mapping, Optional, Sequence, Set
 
 import numpy as np
 
@@ -11,23 +11,19 @@ from flatland_server.plugins import AddNoise, plugin_rng
 
 
 class BatchNoises:
-    """The noise of the lidars of one robot, or of several, in each environment.
+    """The noise of the lidars of m robots in each environment.
 
     Args:
         robots: their models and lidars.
-        shape: of the arrays of robots: (n,), or (n, m) with several.
+        count: number of environments, n.
         settings: see `BatchNoise`, by the robots' indices.
     """
 
     def __init__(
-        self,
-        robots: Sequence[Robot],
-        shape: Tuple[int, ...],
-        settings: Mapping[int, FloatArray],
+        self, robots: Sequence[Robot], count: int, settings: Mapping[int, FloatArray]
     ) -> None:
-        self._shape = shape
         self._noises = [
-            BatchNoise(robot, shape[0], settings.get(index)) for index, robot in enumerate(robots)
+            BatchNoise(robot, count, settings.get(index)) for index, robot in enumerate(robots)
         ]
         self._is_noisy = any(self._noises)
 
@@ -37,33 +33,32 @@ class BatchNoises:
 
     def restart(self, environments: Sequence[int]) -> None:
         """As `BatchNoise.restart`, for all robots."""
-        if self._is_noisy:
-            for noise in self._noises:
-                noise.restart(environments)
+        for noise in self._noises:
+            noise.restart(environments)
 
     def add(
         self,
         ranges: Float32Array,
         seeds: IntArray,
         nanoseconds: IntArray,
-        mask: Optional[BoolArray],
         driven: Optional[BoolArray],
     ) -> None:
-        """Adds the noise at times [ns] to the ranges of environments, or of robots, in the masks.
+        """Adds the noise at times [ns] to the ranges of the robots in the mask.
 
         Args:
             ranges: (n, beams), or (n, m, beams).
             seeds: of the environments, (n,).
             nanoseconds: the time of each, (n,).
-            mask: which environments, (n,); None: all.
             driven: which robots, (n * m,); None: all.
         """
-        if len(self._noises) == 1:
-            self._noises[0].add(ranges.reshape(len(seeds), -1), seeds, nanoseconds, mask)
-            return
-        of_robots = None if driven is None else driven.reshape(self._shape)
+        count = len(seeds)
+        rows = ranges.reshape(count, len(self._noises), -1)
         for index, noise in enumerate(self._noises):
-            noise.add_to_slice(ranges, index, seeds, nanoseconds, of_robots)
+            if noise:
+                own = np.ascontiguousarray(rows[:, index])
+                mask = None if driven is None else driven.reshape(count, -1)[:, index].copy()
+                noise.add(own, seeds, nanoseconds, mask)
+                rows[:, index] = own
 
 
 class BatchNoise:
@@ -99,8 +94,6 @@ class BatchNoise:
         mask: Optional[BoolArray],
     ) -> None:
         """Adds the noise at times [ns] to ranges (n, beams); with a mask, only to its rows."""
-        if not self:
-            return
         self._make(seeds)
         first = self._noises[0]
         if isinstance(first, _core.RangeNoise):  # then all are of this type
@@ -110,21 +103,6 @@ class BatchNoise:
             noise = self._noises[k]
             assert noise is not None
             ranges[k] = noise(ranges[k], int(nanoseconds[k]))
-
-    def add_to_slice(
-        self,
-        ranges: Float32Array,
-        index: int,
-        seeds: IntArray,
-        nanoseconds: IntArray,
-        mask: Optional[BoolArray],
-    ) -> None:
-        """Adds the noise of one of several robots: to `ranges[:, index]`; with a mask (n, m)."""
-        if self:
-            own = np.ascontiguousarray(ranges[:, index])
-            chosen = None if mask is None else np.ascontiguousarray(mask[:, index])
-            self.add(own, seeds, nanoseconds, chosen)
-            ranges[:, index] = own
 
     def _make(self, seeds: IntArray) -> None:
         """Makes the noise of environments with new seeds."""

@@ -2,7 +2,7 @@
 
 import os
 from dataclasses import replace
-from typing import Any, Callable, List, Mapping, NoReturn, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, Mapping, NoReturn, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from flatland2d.batch.arguments import (
     steps_of,
     walls_of,
 )
-from flatland2d.batch.free_spaces import FreeSpaces
+from flatland2d.batch.free_spaces import free_space_of
 from flatland2d.batch.noise import BatchNoises
 from flatland2d.batch.observation import BatchObservation
 from flatland2d.batch.plugins import BatchPlugins
@@ -33,7 +33,7 @@ from flatland2d.batch.view import BatchView
 from flatland2d.free_space import FreeSpace
 from flatland2d.robot import Robot, find_robot
 from flatland2d.simulation import Simulation
-from flatland2d.world_source import WorldSource, exported_plugins, open_world
+from flatland2d.world_source import WorldSource, open_world
 from flatland_server import _core
 from flatland_server._core import Walls
 from flatland_server.arguments import (
@@ -204,8 +204,8 @@ class SimulationBatch:
         self._plugins.begin(core, None, self._seeds)
         varies = self._world.config.with_seed or any(each.role.varies_by_seed for each in roles)
         self._only_seed = origin.seed if origin is not None and varies else None
-        self._noise = BatchNoises(self._robots, self._shape, self._variation.noises)
-        self._spaces = FreeSpaces(self._world, self._robots)
+        self._noise = BatchNoises(self._robots, self._num_envs, self._variation.noises)
+        self._spaces: Dict[float, FreeSpace] = {}
 
     # Facts
 
@@ -222,7 +222,7 @@ class SimulationBatch:
     @property
     def worlds_differ(self) -> bool:
         """True if environments have worlds of their own, as with a RandomWall."""
-        return self._plugins.worlds_differ
+        return bool(self._plugins.worlds)
 
     @property
     def step_size(self) -> float:
@@ -336,7 +336,7 @@ class SimulationBatch:
         def step(commands: FloatArray) -> None:
             plugins.load(core, None, self._seeds, self._steps)
             plugins.step(core, None, None, commands, substeps, self._steps, arrays)
-            self._add_noise(out, None, None)
+            self._add_noise(out, None)
 
         return step
 
@@ -364,7 +364,7 @@ class SimulationBatch:
             self._seeds[:] = seeds
             plugins.begin(core, None, self._seeds)
             self._noise.restart(range(self._num_envs))
-            self._add_noise(out, None, None)
+            self._add_noise(out, None)
 
         return restart
 
@@ -549,7 +549,7 @@ class SimulationBatch:
                 parts,
                 seed=int(self._seeds[k]),
                 nanoseconds=int(self._steps[k]) * self._step_nanoseconds,
-                plugins=self._plugins.states(k),
+                plugins=self._plugins.motions.states(k),
                 physics=core.save_state(k),
                 own_walls=own.get(k),
                 vary=self._variation.of(k),
@@ -645,7 +645,7 @@ class SimulationBatch:
         Raises:
             UsageError: there is no such environment, or the batch is closed.
         """
-        if self._plugins.worlds_differ:
+        if self._plugins.worlds:
             self._load_one(index)
         else:
             self._require_open()
@@ -662,7 +662,7 @@ class SimulationBatch:
         Raises:
             UsageError: the clearance is not usable, or leaves no place.
         """
-        return self._spaces.of(clearance)
+        return free_space_of(self._world, self._robots, clearance, self._spaces)
 
     def free_poses(self, count: int, clearance: float, rng: np.random.Generator) -> FloatArray:
         """Random poses for `reset`, uniformly distributed over `free_space` and all headings.
@@ -686,7 +686,7 @@ class SimulationBatch:
         if self._core is not None:
             self._core = None
             self._world.close()
-            self._plugins.close()
+            self._plugins.worlds.close()
             self._view.close()
 
     def __enter__(self) -> "SimulationBatch":
@@ -719,9 +719,8 @@ class SimulationBatch:
 
     def _load(self, config: WorldConfig, seed: Optional[int] = None) -> World:
         """A world; with the seed of environment 0, unless another one is given."""
-        transport, loader = LocalTransport(self._params, ()), self._loader or exported_plugins()
         own = int(self._seeds[0]) if seed is None else seed
-        return World(config, transport, seed=own, loader=loader)
+        return World(config, LocalTransport(self._params, ()), seed=own, loader=self._loader)
 
     def _rows(self, out: Optional[BatchObservation]) -> BatchObservation:
         if out is None:
@@ -772,14 +771,12 @@ class SimulationBatch:
             return
         where = True if mask is None else mask
         np.multiply(self._steps * self._step_nanoseconds, 1e-9, out=rows.times, where=where)
-        self._add_noise(rows, mask, driven)
+        self._add_noise(rows, driven)
 
-    def _add_noise(
-        self, rows: BatchObservation, mask: Optional[BoolArray], driven: Optional[BoolArray]
-    ) -> None:
+    def _add_noise(self, rows: BatchObservation, driven: Optional[BoolArray]) -> None:
         if self._noise:
             nanoseconds = self._steps * self._step_nanoseconds
-            self._noise.add(rows.ranges, self._seeds, nanoseconds, mask, driven)
+            self._noise.add(rows.ranges, self._seeds, nanoseconds, driven)
 
     def _change_seeds(self, seeds: Optional[IntArray], mask: Optional[BoolArray]) -> None:
         if seeds is None:

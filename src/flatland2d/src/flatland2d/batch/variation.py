@@ -18,7 +18,14 @@ from flatland_server import _core
 from flatland_server.arguments import shown
 from flatland_server.arrays import BoolArray, FloatArray, IntArray
 from flatland_server.config import YamlReader
-from flatland_server.exceptions import FlatlandError, StateError, UsageError, listed, suggestion
+from flatland_server.exceptions import (
+    FlatlandError,
+    StateError,
+    UsageError,
+    listed,
+    suggestion,
+    unknown,
+)
 from flatland_server.models import ModelConfig
 from flatland_server.plugins import plugin_rng
 from flatland_server.simulation import World, WorldConfig
@@ -85,10 +92,7 @@ def with_values(config: WorldConfig, values: Mapping[str, float]) -> WorldConfig
         chosen = [k for k, each in enumerate(models) if fnmatchcase(each.name, pattern)]
         known = [each.name for each in models]
         if not chosen:
-            hint = suggestion(pattern, known)
-            raise UsageError(
-                f'vary: there is no model "{pattern}"{hint}; there are: {listed(known)}'
-            )
+            raise UsageError(unknown("vary: there is no model", pattern, known))
         for k in chosen:
             if k not in contents:
                 reader = models[k].model.reader
@@ -205,9 +209,7 @@ class Variation:
         rows: Any = slice(None) if mask is None else mask
         for name, value in given.items():
             if name not in self._ranges:
-                hint = suggestion(str(name), self._names)
-                known = listed(self._names)
-                raise UsageError(f"vary: there is no {shown(name)}{hint}; there are: {known}")
+                raise UsageError(unknown("vary: there is no", str(name), self._names))
             values[rows, self._names.index(name)] = self._checked(name, value, rows)
         return self.put(core, values)
 

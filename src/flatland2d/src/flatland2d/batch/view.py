@@ -1,5 +1,6 @@
 """A simulation that shows an environment of a batch: for pictures."""
 
+from dataclasses import dataclass, field
 from typing import Any, Callable, List, Mapping, Optional, Tuple
 
 from flatland2d.simulation import Simulation
@@ -9,6 +10,7 @@ from flatland_server.plugins import PluginLoader
 from flatland_server.simulation import World, WorldConfig
 
 
+@dataclass
 class BatchView:
     """Makes a `Simulation` when it is first needed, and later only moves its bodies.
 
@@ -20,26 +22,18 @@ class BatchView:
         origin: the state in which environments begin, if it is not that of the world's files.
     """
 
-    def __init__(
-        self,
-        world: World,
-        step_size: float,
-        params: Mapping[str, Any],
-        loader: Optional[PluginLoader],
-        origin: Optional[bytes] = None,
-    ) -> None:
-        self._world = world
-        self._step_size = step_size
-        self._params = params
-        self._loader = loader
-        self._origin = origin
-        self._simulation: Optional[Simulation] = None
-        self._differences: Tuple[Any, Any] = (None, None)
+    world: World
+    step_size: float
+    params: Mapping[str, Any]
+    loader: Optional[PluginLoader]
+    origin: Optional[bytes] = None
+    _simulation: Optional[Simulation] = field(default=None, init=False)
+    _differences: Tuple[Any, Any] = field(default=(None, None), init=False)
 
     @property
     def bodies(self) -> List[_core.Body]:
         """The bodies of all models of the batch's world, in the order of `show`'s poses."""
-        return _bodies_of(self._world)
+        return _bodies_of(self.world)
 
     def show(
         self,
@@ -67,13 +61,13 @@ class BatchView:
             self._simulation = Simulation(
                 config(),
                 seed=seed,
-                step_size=self._step_size,
-                params=self._params,
-                loader=self._loader,
+                step_size=self.step_size,
+                params=self.params,
+                loader=self.loader,
             )
-            if self._origin is not None:
-                self._simulation.load_state(self._origin)
-        elif self._simulation.seed != seed and self._origin is None:
+            if self.origin is not None:
+                self._simulation.load_state(self.origin)
+        elif self._simulation.seed != seed and self.origin is None:
             self._simulation.reset(seed)
         bodies = _bodies_of(self._simulation.world)
         for body, pose, velocity in zip(bodies, poses.tolist(), velocities.tolist()):

@@ -1,15 +1,21 @@
 """Arguments shared by several subcommands."""
 
 import argparse
+import math
 import re
+import signal
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Callable, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Tuple
 
 import yaml
 
-from flatland2d.cli.completion import FILES
 from flatland2d.simulation import Simulation
 from flatland_server.config import LARGEST
+from flatland_server.exceptions import needed_module
+
+INTERRUPTED = 130
+"""The exit code of a program ended by Ctrl-C, as in shells."""
 
 _AT_MOST = f"{LARGEST:g} at most"
 
@@ -35,6 +41,14 @@ def add_world(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="simulated seconds per step (default: %(default)s)",
     )
+    add_sources(parser)
+
+
+def add_sources(parser: argparse.ArgumentParser) -> None:
+    """Adds `--models FOLDER` and `--param NAME=VALUE`, which may be repeated.
+
+    `params` is a list of pairs.
+    """
     parser.add_argument(
         "--models",
         type=Path,
@@ -43,15 +57,10 @@ def add_world(parser: argparse.ArgumentParser) -> None:
         metavar="FOLDER",
         help="where models are looked up that are not beside the world file",
     )
-    add_params(parser)
-
-
-def add_params(parser: argparse.ArgumentParser) -> None:
-    """Adds `--param NAME=VALUE`, which may be repeated: `params` is a list of such pairs."""
     parser.add_argument(
         "--param",
         dest="params",
-        type=_pair,
+        type=pair,
         action="append",
         default=[],
         metavar="NAME=VALUE",
@@ -59,7 +68,19 @@ def add_params(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _pair(text: str) -> Tuple[str, Any]:
+def add_rate(parser: argparse.ArgumentParser) -> None:
+    """Adds `--rate R` of a server, which is real time by default."""
+    parser.add_argument(
+        "--rate",
+        type=lambda text: math.inf if text == "inf" else positive(text),
+        default=1.0,
+        metavar="R",
+        help='simulated seconds per second of real time; "inf" is as fast as possible (default: 1)',
+    )
+
+
+def pair(text: str) -> Tuple[str, Any]:
+    """A name and its value, written as NAME=VALUE in YAML."""
     name, separator, value = text.partition("=")
     try:
         if name and separator:
@@ -69,20 +90,43 @@ def _pair(text: str) -> Tuple[str, Any]:
     raise argparse.ArgumentTypeError(f'expected NAME=VALUE with a value in YAML, found "{text}"')
 
 
+def world_options(options: argparse.Namespace) -> Dict[str, Any]:
+    """The arguments of `add_world` for a simulation or a server, but for the world."""
+    return {
+        "seed": options.seed,
+        "step_size": options.step_size,
+        "model_folders": options.models,
+        "params": dict(options.params),
+    }
+
+
 def open_simulation(options: argparse.Namespace, **more: Any) -> Simulation:
     """The simulation of the world that `add_world`'s arguments name.
 
     Raises:
         FlatlandError: there is no such world, or something in it is wrong.
     """
-    return Simulation(
-        options.world,
-        seed=options.seed,
-        step_size=options.step_size,
-        model_folders=options.models,
-        params=dict(options.params),
-        **more,
-    )
+    return Simulation(options.world, **world_options(options), **more)
+
+
+def signals() -> List[signal.Signals]:
+    """SIGINT (Ctrl-C), SIGTERM, and SIGHUP of a closed terminal, unless nohup ignores that."""
+    is_ignored = signal.getsignal(signal.SIGHUP) == signal.SIG_IGN
+    return [signal.SIGINT, signal.SIGTERM, *([] if is_ignored else [signal.SIGHUP])]
+
+
+@contextmanager
+def handled(handler: Callable[[int, Any], Any]) -> Iterator[None]:
+    """Lets a function handle `signals`.
+
+    SIGINT also in a background process, for which the shell has switched it off.
+    """
+    former = {number: signal.signal(number, handler) for number in signals()}
+    try:
+        yield
+    finally:
+        for number, each in former.items():
+            signal.signal(number, each)
 
 
 def positive(text: str) -> float:
@@ -125,3 +169,20 @@ def _number(text: str, holds: Callable[[float], bool], expected: str) -> float:
     except (OverflowError, ValueError):
         pass
     raise argparse.ArgumentTypeError(f'expected {expected}, found "{text}"')
+
+
+SHELLS = ("bash", "zsh")
+
+FILES = {"bash": "_shtab_compgen_files", "zsh": "_files"}
+"""As the attribute `complete` of an argument: it is completed by names of files."""
+
+
+class PrintCompletion(argparse.Action):
+    """Prints a script for a shell, and ends the process."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *arguments: Any, **_: Any) -> None:
+        """Prints the script for the shell that the option names."""
+        install = "pip install shtab, or apt install python3-shtab"
+        shtab = needed_module("shtab", "completion needs shtab", install)
+        print(shtab.complete(parser, shell=arguments[1]))
+        parser.exit()

@@ -5,19 +5,27 @@ A file is a world, a model or a map: its keys tell which.
 
 import argparse
 import sys
+from contextlib import suppress
 from pathlib import Path
-from typing import Any, Dict, List, NamedTuple, Optional, Sequence
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from flatland2d.cli.arguments import Subparsers, add_params
-from flatland2d.cli.plugin_problems import plugin_problems
+from flatland2d.cli.arguments import Subparsers, add_sources
 from flatland2d.rendering.renderer import Renderer, save
 from flatland_server.config import YamlPreprocessor, YamlReader, shipped_worlds, to_path
-from flatland_server.exceptions import FlatlandError, YamlError
+from flatland_server.exceptions import FlatlandError, Problem, YamlError, counted
 from flatland_server.geometry import Pose
 from flatland_server.maps import MapConfig
-from flatland_server.models import AnyLayer, CollisionFilterRegistry, LayerConfig, ModelConfig
+from flatland_server.models import (
+    AnyLayer,
+    BodyConfig,
+    CollisionFilterRegistry,
+    JointConfig,
+    LayerConfig,
+    ModelConfig,
+    PluginConfig,
+)
 from flatland_server.simulation import ModelEntry, World, WorldConfig
 from flatland_server.transport import LocalTransport, Transport
 
@@ -31,19 +39,12 @@ _WORLD_KEYS = ("properties", "layers", "models")
 _MAP_KEYS = ("image", "data", "resolution", "scale", "origin", "occupied_thresh")
 
 
-class Loaded(NamedTuple):
-    """A file that is valid: the world that it makes, and a line about it."""
-
-    world: World
-    summary: str
-
-
 def load(
     path: Path,
     preprocessor: YamlPreprocessor,
     model_folders: Sequence[Path] = (),
     transport: Optional[Transport] = None,
-) -> Loaded:
+) -> Tuple[World, str]:
     """Loads a world file; or a model or map file, into an otherwise empty world.
 
     Args:
@@ -51,6 +52,9 @@ def load(
         preprocessor: evaluates the expressions in the file.
         model_folders: where models are looked up that are not beside the world file.
         transport: for the plugins; by default one without parameters.
+
+    Returns:
+        The world that the file makes, and a line about it.
 
     Raises:
         FlatlandError: something in the files is wrong, or the file is none of these.
@@ -61,7 +65,7 @@ def load(
     if any(map(reader.has, _WORLD_KEYS)):
         config = WorldConfig.read(reader, preprocessor, model_folders=model_folders)
         world = World(config, transport)
-        return Loaded(world, _contents(world))
+        return world, _contents(world)
     if any(map(reader.has, _MAP_KEYS)):
         return _load_map(path, preprocessor)
     raise reader.error(
@@ -70,15 +74,17 @@ def load(
     )
 
 
-def _load_model(path: Path, reader: YamlReader, transport: Optional[Transport]) -> Loaded:
+def _load_model(
+    path: Path, reader: YamlReader, transport: Optional[Transport]
+) -> Tuple[World, str]:
     registry = AnyLayer()
     model = ModelConfig.read(reader, registry)
     entry = ModelEntry(path.name.split(".")[0], "", Pose(), model)
     world = World(WorldConfig(10, 10, registry, (), (entry,), ()), transport)
-    return Loaded(world, _contents(world))
+    return world, _contents(world)
 
 
-def _load_map(path: Path, preprocessor: YamlPreprocessor) -> Loaded:
+def _load_map(path: Path, preprocessor: YamlPreprocessor) -> Tuple[World, str]:
     segments = MapConfig.from_file(path, preprocessor).walls()
     registry = CollisionFilterRegistry()
     layer = LayerConfig((_MAP_NAME,), registry.register(_MAP_NAME), _MAP_COLOR, 0.0, 1.0, path)
@@ -86,24 +92,21 @@ def _load_map(path: Path, preprocessor: YamlPreprocessor) -> Loaded:
     corners = segments.reshape(-1, 2)
     width, height = np.ptp(corners, axis=0) if len(corners) else (0.0, 0.0)
     size = f"{width:.4g} x {height:.4g} m"
-    return Loaded(world, f"a map of {_count(len(segments), 'segment')}, {size}")
+    return world, f"a map of {counted(len(segments), 'segment')}, {size}"
 
 
 def _contents(world: World) -> str:
     """The numbers of layers, models and other parts of a world."""
     models = world.models.values()
+    bodies = sum(len(model.bodies) for model in models)
     counts = (
-        _count(len(world.layers), "layer"),
-        _count(sum(len(layer.segments) for layer in world.layers), "segment"),
-        _count(len(models), "model"),
-        _count(sum(len(model.bodies) for model in models), "body", "bodies"),
-        _count(world.plugin_count, "plugin"),
+        counted(len(world.layers), "layer"),
+        counted(sum(len(layer.segments) for layer in world.layers), "segment"),
+        counted(len(models), "model"),
+        "1 body" if bodies == 1 else f"{bodies} bodies",
+        counted(world.plugin_count, "plugin"),
     )
     return ", ".join(counts)
-
-
-def _count(number: int, noun: str, plural: str = "") -> str:
-    return f"{number} {noun if number == 1 else plural or noun + 's'}"
 
 
 def check(
@@ -135,8 +138,6 @@ def check(
         return every.lines(lambda problem: problem.with_column)
     except FlatlandError as error:
         return [f"{path}: {error}"]
-    finally:
-        preprocessor.close()
     print(f"{path}: {summary}")
     problems = []
     if picture is not None:
@@ -162,15 +163,7 @@ def add_parser(commands: Subparsers) -> None:
         metavar="FILE",
         help="draw the world as it would look at the start, into a .png, .svg ...",
     )
-    parser.add_argument(
-        "--models",
-        type=Path,
-        action="append",
-        default=[],
-        metavar="FOLDER",
-        help="as the server's ~models: look up models there that are not beside the world file",
-    )
-    add_params(parser)
+    add_sources(parser)
     parser.set_defaults(execute=_execute, parser=parser)
 
 
@@ -185,3 +178,74 @@ def _execute(options: argparse.Namespace) -> int:
     for problem in problems:
         print(problem, file=sys.stderr)
     return 1 if problems else 0
+
+
+def plugin_problems(
+    path: Path, preprocessor: YamlPreprocessor, model_folders: Sequence[Path], transport: Transport
+) -> List[Problem]:
+    """The problems of the plugins of a model, or of all models of a world.
+
+    Args:
+        path: of the world or model file.
+        preprocessor: evaluates the expressions in the file.
+        model_folders: where models are looked up that are not beside the world file.
+        transport: carries the topics and parameters of the plugins.
+    """
+    problems: List[Problem] = []
+    with suppress(FlatlandError):
+        reader = YamlReader.from_file(path, preprocessor)
+        if reader.has("bodies"):
+            return _problems_of_model(reader, transport)
+        files: Dict[Path, None] = {}
+
+        def read_entry(entry: YamlReader) -> None:
+            if entry.is_map("model"):
+                problems.extend(_problems_of_model(entry.get_section("model"), transport))
+            else:
+                files[entry.get_path("model", model_folders)] = None
+
+        reader.get_sections("models", read_entry)
+        for file in files:
+            with suppress(FlatlandError):
+                problems += _problems_of_model(YamlReader.from_file(file, preprocessor), transport)
+    return problems
+
+
+def _problems_of_model(reader: YamlReader, transport: Transport) -> List[Problem]:
+    registry = AnyLayer()
+    faulty_joints: List[str] = []
+
+    def read_body(section: YamlReader) -> BodyConfig:
+        name = section.get_string("name")
+        try:
+            return BodyConfig.read(section, registry)
+        except YamlError:
+            return BodyConfig(name, Pose(), "dynamic", (1.0, 1.0, 1.0, 1.0), 0.0, 0.0, ())
+
+    bodies = reader.get_enabled_sections("bodies", read_body)
+    names = [body.name for body in bodies]
+    if not bodies or not all(names):
+        return []  # plugins name bodies that are missing
+
+    def read_joint(section: YamlReader) -> JointConfig:
+        try:
+            return JointConfig.read(section, names)
+        except YamlError:
+            faulty_joints.append(section.get_string("name"))
+            raise
+
+    joints = reader.get_enabled_sections("joints", read_joint)
+    plugins = [
+        each
+        for each in reader.get_enabled_sections("plugins", PluginConfig.read)
+        if not any(map(each.reader.key_of, faulty_joints))  # it needs one of them
+    ]
+    model = ModelConfig(reader.file, tuple(bodies), tuple(joints), tuple(plugins), is_read=True)
+    entry = ModelEntry(reader.file.name.split(".")[0], "", Pose(), model)
+    try:
+        World(WorldConfig(10, 10, registry, (), (entry,), ()), transport).close()
+    except YamlError as error:
+        return list(error.problems)
+    except FlatlandError:  # the bodies do not make a model
+        return []
+    return []

@@ -10,14 +10,11 @@ import sys
 from typing import List, Optional
 
 from flatland2d.cli import check, map_to_lines, recover, render, run, serve, sweep, view, worlds
-from flatland2d.cli.completion import SHELLS, PrintCompletion
+from flatland2d.cli.arguments import INTERRUPTED, SHELLS, PrintCompletion
 from flatland_server._core import __version__
 from flatland_server.exceptions import FlatlandError, YamlError
 
 SUBCOMMANDS = (check, map_to_lines, recover, render, run, serve, sweep, view, worlds)
-
-_INTERRUPTED = 130
-"""The exit code of a program ended by Ctrl-C, as in shells."""
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
@@ -76,7 +73,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
         if not isinstance(error, BrokenPipeError):  # such as `flatland worlds | head -1`
             _fail(f"flatland: the output cannot be written: {error.strerror}")
     except KeyboardInterrupt:
-        code = _INTERRUPTED
+        code = INTERRUPTED
     return code
 
 

@@ -9,14 +9,20 @@ import time
 from types import FrameType
 from typing import Callable, Iterator, Optional
 
-from flatland2d.cli.arguments import Subparsers, add_world, open_simulation, positive
+from flatland2d.cli.arguments import (
+    INTERRUPTED,
+    Subparsers,
+    add_world,
+    handled,
+    open_simulation,
+    positive,
+    signals,
+)
 from flatland2d.simulation import Simulation
-from flatland_server.exceptions import MissingPackageError, suggestion
+from flatland_server.exceptions import needed_module, suggestion
 
 _CHUNK = 0.05
 """Real time between checks of the clock and of Ctrl-C [s]: the duration of one call of `step`."""
-
-_INTERRUPTED = 130
 
 
 def add_parser(commands: Subparsers) -> None:
@@ -84,7 +90,7 @@ def _execute(options: argparse.Namespace) -> int:
     for failure in failures:
         print(f'the plugin "{failure.label}" failed in {failure.reason}', file=sys.stderr)
     if options.seconds is not None and is_interrupted():
-        return _INTERRUPTED
+        return INTERRUPTED
     return 1 if failures else 0
 
 
@@ -148,16 +154,10 @@ def _progress_bar(
     Raises:
         MissingPackageError: tqdm is not installed, and a bar was asked for.
     """
-    if is_wanted is None:
-        is_wanted = sys.stderr.isatty()
-    try:
-        import tqdm
-    except ImportError:
-        if is_wanted:
-            raise MissingPackageError("a progress bar needs tqdm: pip install tqdm") from None
-    if not is_wanted:
+    if not (sys.stderr.isatty() if is_wanted is None else is_wanted):
         yield lambda _: None
         return
+    tqdm = needed_module("tqdm", "a progress bar needs tqdm", "pip install tqdm")
     form = "{l_bar}{bar}| {n:.1f}/{total:.1f} s [{elapsed}<{remaining}{postfix}]"
     endless = "{n:.1f} s [{elapsed}{postfix}]"
     with tqdm.tqdm(total=seconds, bar_format=form if seconds else endless) as bar:
@@ -178,19 +178,12 @@ def interrupts() -> Iterator[Callable[[], bool]]:
     Yields:
         A function that tells whether a signal has come. A second one ends the process at once.
     """
-    received = []
+    received, numbers = [], signals()
 
     def note(number: int, _: Optional[FrameType]) -> None:
         received.append(number)
-        for each in former:
+        for each in numbers:
             signal.signal(each, signal.SIG_DFL)
 
-    numbers = [signal.SIGINT, signal.SIGTERM]
-    if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:  # else by nohup
-        numbers.append(signal.SIGHUP)
-    former = {number: signal.signal(number, note) for number in numbers}
-    try:
+    with handled(note):
         yield lambda: bool(received)
-    finally:
-        for number, handler in former.items():
-            signal.signal(number, handler)

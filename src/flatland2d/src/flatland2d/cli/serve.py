@@ -1,14 +1,13 @@
 """flatland serve: simulates a world for web pages, roslib and Foxglove."""
 
 import argparse
-import math
 import secrets
 import sys
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from flatland2d.cli.arguments import Subparsers, add_world, positive, whole_from
+from flatland2d.cli.arguments import Subparsers, add_rate, add_world, whole_from, world_options
 from flatland2d.cli.run import interrupts
 from flatland_server.exceptions import MissingPackageError
 
@@ -22,13 +21,7 @@ def add_parser(commands: Subparsers) -> None:
         "roslibpy, and Foxglove. Ctrl-C ends it.",
     )
     add_world(parser)
-    parser.add_argument(
-        "--rate",
-        type=_rate,
-        default=1.0,
-        metavar="R",
-        help='simulated seconds per second of real time; "inf" is as fast as possible (default: 1)',
-    )
+    add_rate(parser)
     parser.add_argument("--paused", action="store_true", help="begin with a pause")
     parser.add_argument(
         "--port",
@@ -138,11 +131,8 @@ def _execute(options: argparse.Namespace) -> int:
         server = stack.enter_context(
             parts.Server(
                 options.world,
-                seed=options.seed,
-                step_size=options.step_size,
+                **world_options(options),
                 rate=options.rate,
-                params=dict(options.params),
-                model_folders=options.models,
                 state_folder=options.state_folder,
                 is_paused=options.paused,
                 access=access,
@@ -162,7 +152,3 @@ def _execute(options: argparse.Namespace) -> int:
             print(f"ROS 2: domain {ros2.domain}, {ros2.distribution}", flush=True)
         server.run(lambda: not is_interrupted())
     return 0
-
-
-def _rate(text: str) -> float:
-    return math.inf if text == "inf" else positive(text)

@@ -4,25 +4,27 @@ import argparse
 import os
 import signal
 import sys
+import time
 from contextlib import ExitStack, closing, contextmanager
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Callable, Iterator, List
+from typing import Any, Callable, Iterator, List
 
-from flatland2d.cli.arguments import Subparsers, not_negative, whole_from
-from flatland2d.cli.sweep_progress import show_progress
+from flatland2d.cli.arguments import INTERRUPTED, Subparsers, handled, not_negative, whole_from
 from flatland2d.cli.sweep_replay import replay
-from flatland2d.sweep.comparison import require_scipy
+from flatland2d.sweep.comparison import junit, read_rows, scipy_stats, verdicts
 from flatland2d.sweep.local_pool import LocalPool
 from flatland2d.sweep.metrics import SUMMARISED
 from flatland2d.sweep.ray_pool import RayPool
-from flatland2d.sweep.regressions import junit, read_rows, verdicts
 from flatland2d.sweep.report import summary_cells, text_table
+from flatland2d.sweep.runner import Result
 from flatland2d.sweep.scenario_file import read_scenario_file
 from flatland2d.sweep.sweep import JOURNAL, Pool, Sweep
 from flatland2d.sweep.tables import write_file
-from flatland_server.exceptions import counted, listed, suggestion
+from flatland_server.exceptions import counted, listed, unknown
 
-_INTERRUPTED = 130
+_LINE_PERIOD = 5.0
+"""Real time between two lines of progress, where there is no terminal [s]."""
 
 
 def add_parser(commands: Subparsers) -> None:
@@ -110,10 +112,7 @@ def _metrics(text: str) -> List[str]:
     names = text.split(",")
     for name in names:
         if name not in SUMMARISED:
-            raise argparse.ArgumentTypeError(
-                f'there is no metric "{name}"{suggestion(name, SUMMARISED)}; '
-                f"there are: {listed(SUMMARISED)}"
-            )
+            raise argparse.ArgumentTypeError(unknown("there is no metric", name, SUMMARISED))
     return names
 
 
@@ -123,15 +122,15 @@ def _execute(options: argparse.Namespace) -> int:
     settings = read_scenario_file(options.file)
     folder = options.out or Path(f"{options.file.stem}_results")
     if options.replay is not None:
-        with _interrupts():
+        with handled(signal.default_int_handler):
             return replay(settings, options.replay, folder, options.view, options.record)
     if options.baseline is not None:  # before the scenarios are run
-        require_scipy()
+        scipy_stats()
         options.baseline = read_rows(options.baseline)
     if options.restart and (folder / JOURNAL).exists():
         (folder / JOURNAL).unlink()
     with ExitStack() as stack:
-        stack.enter_context(_interrupts())
+        stack.enter_context(handled(signal.default_int_handler))
         sweep = stack.enter_context(closing(Sweep(settings, folder)))
         try:
             return _run(sweep, options, stack)
@@ -141,7 +140,7 @@ def _execute(options: argparse.Namespace) -> int:
                 "the same command runs the rest",
                 file=sys.stderr,
             )
-            return _INTERRUPTED
+            return INTERRUPTED
 
 
 def _run(sweep: Sweep, options: argparse.Namespace, stack: ExitStack) -> int:
@@ -213,16 +212,81 @@ def _pool(sweep: Sweep, options: argparse.Namespace, report: Callable[[str], Non
     return LocalPool(sweep.settings, options.jobs or len(os.sched_getaffinity(0)), report)
 
 
-@contextmanager
-def _interrupts() -> Iterator[None]:
-    """Makes SIGINT (Ctrl-C) and SIGTERM raise a KeyboardInterrupt.
+class Progress:
+    """Counts scenarios, and shows their number in a bar of tqdm or in lines, or not at all.
 
-    SIGINT also in a background process, for which the shell has switched it off.
+    Lines come at the beginning, from time to time, and at the end.
+
+    Args:
+        total: number of scenarios.
+        done: number of scenarios that are done already.
+        is_shown: whether anything but messages is shown.
+        bar: of tqdm; None without one.
     """
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    former = {each: signal.signal(each, signal.default_int_handler) for each in numbers}
-    try:
-        yield
-    finally:
-        for number, handler in former.items():
-            signal.signal(number, handler)
+
+    def __init__(self, total: int, done: int, is_shown: bool, bar: Any = None) -> None:
+        self._total, self._done, self._first = total, done, done + 1
+        self._has_lines, self._bar = is_shown and bar is None, bar
+        self._succeeded = self._failed = 0
+        self._begin = self._last = self._first_time = time.monotonic()
+        self._printed = -1
+
+    def count(self, result: Result) -> None:
+        """Notes a scenario that is done."""
+        self._done += 1
+        self._succeeded += result.row.get("success") is True
+        self._failed += bool(result.error)
+        now, is_first = time.monotonic(), self._done == self._first
+        if is_first:
+            self._first_time = now
+        if self._bar is not None:
+            self._bar.set_postfix_str(self._state, refresh=False)
+            self._bar.update()
+        elif self._has_lines and (is_first or now - self._last >= _LINE_PERIOD):
+            self._last = now
+            self._print()
+
+    def say(self, message: str) -> None:
+        """Shows a sentence."""
+        if self._bar is not None:
+            self._bar.write(message, file=sys.stderr)
+        else:
+            print(message, file=sys.stderr, flush=True)
+
+    def end(self) -> None:
+        """Shows the last state."""
+        if self._has_lines and self._done > self._printed:
+            self._print()
+
+    @property
+    def _state(self) -> str:
+        failed = f", {self._failed} failed" if self._failed else ""
+        return f"{self._succeeded} with success{failed}"
+
+    def _print(self) -> None:
+        self._printed = self._done
+        now = time.monotonic()
+        rest, since_first = self._total - self._done, self._done - self._first
+        left = ""
+        if rest and since_first > 0:  # workers take a while to start: the first one says little
+            left = f", {(now - self._first_time) * rest / since_first:.0f} s left"
+        elapsed = now - self._begin
+        self.say(f"{self._done} of {self._total} scenarios, {self._state}, {elapsed:.0f} s{left}")
+
+
+@contextmanager
+def show_progress(total: int, done: int, is_wanted: bool) -> Iterator[Progress]:
+    """Shows the progress of a sweep: a bar if standard error is a terminal and tqdm is installed.
+
+    Args:
+        total: number of scenarios.
+        done: number of scenarios that are done already.
+        is_wanted: whether anything is shown.
+    """
+    if is_wanted and sys.stderr.isatty() and find_spec("tqdm"):
+        import tqdm
+
+        with tqdm.tqdm(total=total, initial=done, unit=" scenarios") as bar:
+            yield Progress(total, done, is_wanted, bar)
+    else:
+        yield Progress(total, done, is_wanted)

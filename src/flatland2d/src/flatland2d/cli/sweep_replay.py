@@ -42,11 +42,10 @@ def replay(
         FlatlandError: there is no such scenario, or the recording cannot be written.
     """
     scenario = scenario_of(settings, number)
-    before = read_entries(folder / JOURNAL)
-    entry = before.get(Fingerprints(settings).of(scenario)) if before else None
+    results = read_entries(folder / JOURNAL)
+    before = results.get(Fingerprints(settings).of(scenario)) if results else None
     runner = ScenarioRunner(settings)
     with ExitStack() as stack:
-        stack.callback(runner.close)
         parts: List[RunObserver] = []
         if recording is not None:
             parts.append(_Recording(recording, stack))
@@ -57,8 +56,8 @@ def replay(
     for name, value in {**result.row, **result.returned}.items():
         if value is not None:
             print(f"{name}: {value}")
-    if entry is not None:
-        print(_comparison(result, entry.result, folder))
+    if before is not None:
+        print(_comparison(result, before, folder))
     if recording is not None:
         print(f"recorded in {recording}")
     if result.error:

@@ -6,7 +6,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from flatland2d.browser import open_in_browser
-from flatland2d.cli.arguments import Subparsers, add_world, positive, whole_from
+from flatland2d.cli.arguments import Subparsers, add_rate, add_world, whole_from, world_options
 from flatland2d.cli.run import interrupts
 from flatland2d.cli.serve import bridge
 from flatland_server.config import find_world, is_shipped
@@ -22,13 +22,7 @@ def add_parser(commands: Subparsers) -> None:
     )
     add_world(parser)
     parser.add_argument("--follow", metavar="MODEL", help="keep this model in the middle")
-    parser.add_argument(
-        "--rate",
-        type=positive,
-        default=1.0,
-        metavar="R",
-        help="simulated seconds per second of real time (default: 1)",
-    )
+    add_rate(parser)
     parser.add_argument(
         "--port", type=whole_from(0), default=0, help="of the page; by default a free one"
     )
@@ -40,11 +34,8 @@ def _execute(options: argparse.Namespace) -> int:
     world = find_world(options.world)
     server = parts.Server(
         options.world,
-        seed=options.seed,
-        step_size=options.step_size,
+        **world_options(options),
         rate=options.rate,
-        params=dict(options.params),
-        model_folders=options.models,
         state_folder=Path.cwd() if is_shipped(world) else world.absolute().parent,
         access=parts.Access(token=secrets.token_urlsafe(16)),
         rosbridge_port=options.port,

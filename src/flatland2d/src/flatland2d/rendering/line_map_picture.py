@@ -1,16 +1,19 @@
 """Draws a map and the lines that were made from it, one above the other."""
 
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from PIL import Image
 
 from flatland2d.rendering.image_canvas import ImageCanvas
+from flatland2d.rendering.renderer import write_picture
 from flatland2d.rendering.svg_canvas import SvgCanvas
 from flatland2d.rendering.view import View, fitting_size
 from flatland_server.canvas import Canvas
-from flatland_server.exceptions import FlatlandError
 from flatland_server.maps import LineMap
+
+C = TypeVar("C", bound=Canvas)
 
 _LONGER_SIDE = 2400  # px
 _BACKGROUND = (1.0, 1.0, 1.0, 1.0)
@@ -35,22 +38,16 @@ def save_line_map_picture(path: Path, line_map: LineMap) -> None:
     low, high = (tuple(limit(axis=0).tolist()) for limit in (corners.min, corners.max))
     size = fitting_size(low, high, _LONGER_SIDE)
     view = View.of(low, high, size)
-    try:
-        if path.suffix.lower() == ".svg":
-            canvas = SvgCanvas(view, _BACKGROUND)
-            _draw(canvas, line_map)
-            path.write_text(canvas.document(), encoding="utf-8")
-        else:
-            image = Image.new("RGB", size, "white")
-            _draw(ImageCanvas(image, view), line_map)
-            image.save(path)
-    except (OSError, ValueError) as error:  # ValueError: an unknown file extension
-        reason = getattr(error, "strerror", None) or error
-        raise FlatlandError(f"{path}: cannot be written: {reason}") from None
+    write_picture(
+        path,
+        lambda: _drawn(SvgCanvas(view, _BACKGROUND), line_map).document(),
+        lambda: _drawn(ImageCanvas(Image.new("RGB", size, "white"), view), line_map).image,
+    )
 
 
-def _draw(canvas: Canvas, line_map: LineMap) -> None:
+def _drawn(canvas: C, line_map: LineMap) -> C:
     lines = line_map.in_world(line_map.lines)
     canvas.lines(line_map.in_world(line_map.outlines), _OUTLINES, 4.0)
     canvas.lines(lines, _LINES, 1.5)
     canvas.dots(np.unique(lines.reshape(-1, 2), axis=0), _CORNERS, 3.0)
+    return canvas

@@ -1,23 +1,25 @@
-"""Draws a world: repeatedly with a `Renderer`, once with `render`."""
+"""Draws a world, into an image or a file."""
 
 import io
 import os
 import sys
 from numbers import Real
-from typing import Iterable, Optional, Union
+from pathlib import Path
+from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from PIL import Image
 
 from flatland2d.rendering import scene
 from flatland2d.rendering.image_canvas import ImageCanvas
+from flatland2d.rendering.scene import BACKGROUND, draw_ground, draw_walls
 from flatland2d.rendering.svg_canvas import SvgCanvas
-from flatland2d.rendering.tiles import Tiles
 from flatland2d.rendering.view import Size, View, fitting_size
 from flatland_server.arguments import path_of, shown
-from flatland_server.arrays import UInt8Array
-from flatland_server.canvas import Canvas, Points
+from flatland_server.arrays import Segments, UInt8Array
+from flatland_server.canvas import Canvas, Points, Rgba
 from flatland_server.exceptions import FlatlandError, UsageError
+from flatland_server.models import Layer
 from flatland_server.simulation import World
 from flatland_server.timekeeper import Timekeeper
 
@@ -116,28 +118,6 @@ class Renderer:
                 scene.draw_name(canvas, model)
 
 
-def render(
-    world: World,
-    size: Optional[Size] = None,
-    *,
-    follow: Optional[str] = None,
-    width: float = 10.0,
-    sensors: bool = False,
-    names: bool = False,
-    trails: Iterable[Points] = (),
-) -> UInt8Array:
-    """A picture of a world; a `Renderer` is quicker if there are to be many.
-
-    Args: those of `Renderer.view` and `Renderer.image`.
-
-    Returns:
-        Red, green and blue: shape (height, width, 3).
-    """
-    renderer = Renderer(world)
-    view = renderer.view(size, follow=follow, width=width)
-    return to_array(renderer.image(view, sensors=sensors, names=names, trails=trails))
-
-
 def save(
     path: Union[str, "os.PathLike[str]"],
     renderer: Renderer,
@@ -154,13 +134,24 @@ def save(
     Raises:
         FlatlandError: the file cannot be written, or its kind is not known.
     """
-    path = path_of(path, "the path of a picture")
+    options: Any = {"sensors": sensors, "names": names, "trails": trails}
+    found = path_of(path, "the path of a picture")
+    write_picture(
+        found, lambda: renderer.svg(view, **options), lambda: renderer.image(view, **options)
+    )
+
+
+def write_picture(path: Path, svg: Callable[[], str], image: Callable[[], Image.Image]) -> None:
+    """Writes a picture into a file: SVG if its name ends in .svg, or else PNG, JPEG ...
+
+    Raises:
+        FlatlandError: the file cannot be written, or its kind is not known.
+    """
     try:
         if path.suffix.lower() == ".svg":
-            document = renderer.svg(view, sensors=sensors, names=names, trails=trails)
-            path.write_text(document, encoding="utf-8")
+            path.write_text(svg(), encoding="utf-8")
         else:
-            renderer.image(view, sensors=sensors, names=names, trails=trails).save(path)
+            image().save(path)
     except (OSError, ValueError) as error:  # ValueError: an unknown file extension
         reason = getattr(error, "strerror", None) or error
         raise FlatlandError(f"{path}: cannot be written: {reason}") from None
@@ -176,3 +167,55 @@ def to_png(image: Image.Image) -> bytes:
     file = io.BytesIO()
     image.save(file, "PNG")
     return file.getvalue()
+
+
+_SIDE = 512  # px
+_KEPT = 40  # tiles; 0.8 MB each
+
+_Key = Tuple[float, int, int]
+"""Scale [px/m], column and row of a tile."""
+
+
+class Tiles:
+    """Draws ground and walls, and keeps what it has drawn until the walls change."""
+
+    def __init__(self) -> None:
+        self._tiles: Dict[_Key, Image.Image] = {}
+        self._walls: List[Tuple[Segments, Rgba]] = []
+
+    def image(self, view: View, layers: Sequence[Layer]) -> Image.Image:
+        """A new image of the ground and the walls of these layers."""
+        if self._have_changed(layers):
+            self._tiles.clear()
+            self._walls = [(layer.segments, layer.config.color) for layer in layers]
+        image = Image.new("RGB", view.size)
+        width, height = view.size
+        columns = range(view.left // _SIDE, (view.left + width - 1) // _SIDE + 1)
+        rows = range(view.top // _SIDE, (view.top + height - 1) // _SIDE + 1)
+        for column in columns:
+            for row in rows:
+                tile = self._tile((view.scale, column, row), layers)
+                image.paste(tile, (column * _SIDE - view.left, row * _SIDE - view.top))
+        while len(self._tiles) > max(_KEPT, len(columns) * len(rows)):
+            del self._tiles[next(iter(self._tiles))]  # the least recently used one
+        return image
+
+    def _have_changed(self, layers: Sequence[Layer]) -> bool:
+        return len(layers) != len(self._walls) or not all(
+            layer.config.color == color
+            and (layer.segments is segments or np.array_equal(layer.segments, segments))
+            for layer, (segments, color) in zip(layers, self._walls)
+        )
+
+    def _tile(self, key: _Key, layers: Sequence[Layer]) -> Image.Image:
+        tile = self._tiles.pop(key, None)
+        if tile is None:
+            scale, column, row = key
+            view = View(column * _SIDE, row * _SIDE, scale, (_SIDE, _SIDE))
+            red, green, blue = (round(255 * part) for part in BACKGROUND[:3])
+            tile = Image.new("RGB", view.size, (red, green, blue))
+            canvas = ImageCanvas(tile, view)
+            draw_ground(canvas, view)
+            draw_walls(canvas, layers, scale)
+        self._tiles[key] = tile  # to the end: the most recently used one
+        return tile

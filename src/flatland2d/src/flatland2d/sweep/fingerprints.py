@@ -9,7 +9,6 @@ import hashlib
 import importlib.util
 import json
 import os
-from contextlib import closing
 from itertools import product
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Set, Tuple
@@ -76,15 +75,15 @@ class Fingerprints:
     def _fingerprints_of_worlds(self) -> Dict[str, str]:
         """The fingerprints of worlds with models and maps, for each combination of parameters."""
         found: Dict[str, str] = {}
-        with closing(SweepWorlds(self._settings.folder)) as worlds:
-            for world, parameters in product(self._settings.worlds, self._settings.parameters):
-                key = world_key(world.name, parameters)
-                if key not in found:
-                    content = worlds.content(world.source, parameters)
-                    maps = self._maps(content, worlds.preprocessor)
-                    maps.update(self._files_of_plugins(content))
-                    found[key] = _digest([content, maps, dict(vars(world.task))])
-            self._params_read |= worlds.params_read
+        worlds = SweepWorlds(self._settings.folder)
+        for world, parameters in product(self._settings.worlds, self._settings.parameters):
+            key = world_key(world.name, parameters)
+            if key not in found:
+                content = worlds.content(world.source, parameters)
+                maps = self._maps(content, worlds.preprocessor)
+                maps.update(self._files_of_plugins(content))
+                found[key] = _digest([content, maps, dict(vars(world.task))])
+        self._params_read |= worlds.params_read
         return found
 
     def _unused(self) -> List[str]:

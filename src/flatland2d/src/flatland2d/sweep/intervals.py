@@ -1,13 +1,15 @@
 """Confidence intervals of 95 %: Wilson's for rates, Student's t for means."""
 
 import math
+from functools import lru_cache
 from statistics import NormalDist, fmean, stdev
 from typing import NamedTuple, Sequence
+
+import numpy as np
 
 CONFIDENCE = 0.95
 
 _Z = NormalDist().inv_cdf(0.5 + CONFIDENCE / 2)
-_MANY = 200  # degrees of freedom
 
 
 class Interval(NamedTuple):
@@ -58,39 +60,17 @@ def mean(values: Sequence[float]) -> Interval:
     return Interval(middle, middle - half, middle + half)
 
 
+@lru_cache(maxsize=None)
 def t_quantile(freedom: int) -> float:
-    """The t that |T| stays below with the probability of 95 %, T having `freedom` degrees.
+    """The t that |T| stays below with the probability of 95 %, T having n degrees of freedom.
 
-    By bisection of Student's distribution, which is a finite sum for whole degrees of freedom
-    (Abramowitz and Stegun, 26.7.3 and 26.7.4); for more than 200 by the expansion 26.7.5.
+    The density of the angle atan(T / sqrt(n)) is proportional to the power n - 1 of its cosine: it
+    is summed up to t = 12 at least, which leaves an error below 1e-8.
+
+    Args:
+        freedom: n, 1 or more.
     """
-    if freedom > _MANY:
-        z, n = _Z, freedom
-        first = (z**3 + z) / 4
-        second = (5 * z**5 + 16 * z**3 + 3 * z) / 96
-        return z + first / n + second / n**2
-    low, high = 0.0, 20.0
-    for _ in range(100):
-        middle = (low + high) / 2
-        if _probability(middle, freedom) < CONFIDENCE:
-            low = middle
-        else:
-            high = middle
-    return (low + high) / 2
-
-
-def _probability(t: float, freedom: int) -> float:
-    """The probability of |T| < t."""
-    angle = math.atan(t / math.sqrt(freedom))
-    sine, cosine = math.sin(angle), math.cos(angle)
-    if freedom % 2:
-        term, total = cosine, 0.0
-        for k in range(1, freedom - 1, 2):
-            total += term
-            term *= cosine * cosine * (k + 1) / (k + 2)
-        return 2 / math.pi * (angle + sine * total)
-    term, total = 1.0, 0.0
-    for k in range(0, freedom - 1, 2):
-        total += term
-        term *= cosine * cosine * (k + 1) / (k + 2)
-    return sine * total
+    angles = np.linspace(0.0, min(math.pi / 2, 12.0 / math.sqrt(freedom)), 100_001)
+    density = np.cos(angles) ** (freedom - 1)
+    sums = np.cumsum(density[1:] + density[:-1])
+    return math.sqrt(freedom) * math.tan(np.interp(CONFIDENCE * sums[-1], sums, angles[1:]))

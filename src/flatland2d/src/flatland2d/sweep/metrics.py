@@ -28,15 +28,23 @@ class Metric(NamedTuple):
     is_gated: bool = False
 
 
-SUMMARISED: Dict[str, Metric] = {
+METRICS: Dict[str, Optional[Metric]] = {
+    "outcome": None,
     "success": Metric("success", 1, is_rate=True, is_gated=True),
     "collision": Metric("collision", -1, is_rate=True, is_gated=True),
+    "collision_with": None,
+    "contacts": None,
     "person_collision": Metric("collision with a person", -1, is_rate=True),
     "robot_at_fault": Metric("at-fault collision with a person", -1, is_rate=True),
     "success_unless_hit": Metric("success unless hit by a person", 1, is_rate=True),
+    "robot_speed_at_contact": None,
+    "person_speed_at_contact": None,
     "timed_out": Metric("time-out", -1, is_rate=True),
+    "time": None,
     "time_to_goal": Metric("time to goal [s]", -1, is_gated=True),
     "path_to_goal": Metric("path to goal [m]", -1),
+    "path_length": None,
+    "shortest_path": None,
     "spl": Metric("SPL", 1, 1.0),
     "barn_score": Metric("BARN score", 1, 0.5),
     "min_clearance": Metric("least clearance [m]", 1),
@@ -52,8 +60,20 @@ SUMMARISED: Dict[str, Metric] = {
     "speed_change": Metric("change of commanded speed [m/s]", -1),
     "turn_change": Metric("change of commanded yaw rate [rad/s]", -1),
     "localization_error": Metric("localisation error [m]", -1),
+    "max_localization_error": None,
+    "goal_distance": None,
+    "start_x": None,
+    "start_y": None,
+    "start_yaw": None,
+    "goal_x": None,
+    "goal_y": None,
 }
-"""The metrics that are summarised, by the names of their columns."""
+"""The measured values of each scenario, in the order of the table's columns; None: it is neither
+summarised nor compared.
+"""
+
+SUMMARISED = {name: metric for name, metric in METRICS.items() if metric is not None}
+"""Those that are summarised, by the names of their columns."""
 
 
 def barn_score(success: bool, shortest: float, time: float, top_speed: float) -> float:

@@ -20,7 +20,7 @@ from flatland2d.sweep.comparison import comparable
 from flatland2d.sweep.metrics import SUMMARISED, Metric
 from flatland2d.sweep.run import ESTIMATE_ENDS
 from flatland2d.sweep.tables import one_line, text_of
-from flatland_server.exceptions import MissingPackageError, pip_install
+from flatland_server.exceptions import needed_module, pip_install
 
 _LATEX = {
     **{each: f"\\{each}" for each in "&%$#_{}"},
@@ -156,14 +156,11 @@ def figure(summary: Summary) -> bytes:
     Raises:
         MissingPackageError: matplotlib is missing.
     """
-    try:
-        from matplotlib import rc_context
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise MissingPackageError(
-            "the figure needs matplotlib: apt-get install python3-matplotlib, or "
-            f"{pip_install('sweep')} ({str(error).splitlines()[0]})"
-        ) from None
+    install = f"apt-get install python3-matplotlib, or {pip_install('sweep')}"
+    needed_module("matplotlib", "the figure needs matplotlib", install)
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
     metrics = [name for name in SUMMARISED if any(row.get(name) for row in summary)]
     groups, controllers = _groups(summary), _controllers(summary)
     columns = min(_PANELS_IN_ROW, max(1, len(metrics)))

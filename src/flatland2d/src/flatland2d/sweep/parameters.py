@@ -8,13 +8,12 @@ The name of a parameter decides about its kind:
 """
 
 import json
-from copy import deepcopy
 from itertools import product
 from math import prod
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Set, Tuple, Union
+from typing import Any, Dict, List, Mapping, Sequence, Set
 
-from flatland2d.world_content import read_world_content
+from flatland2d.world_source import read_world_content
 from flatland_server.config import YamlPreprocessor, find_world, is_file, to_path
 from flatland_server.exceptions import FlatlandError, UsageError, listed, shortened, suggestion
 from flatland_server.transport import absolute_name
@@ -115,10 +114,6 @@ class SweepWorlds:
         self.is_random = False
         self._folder = folder
         self._params: Mapping[str, Any] = {}
-        self._reading: Dict[str, Any] = {}
-        # The world that was read last, the parameters that its files have read, its seed if they
-        # have random numbers, and its content.
-        self._last: Optional[Tuple[str, Dict[str, Any], Optional[int], Dict[str, Any]]] = None
 
     def content(self, source: str, parameters: Mapping[str, Any], seed: int = 0) -> Dict[str, Any]:
         """The content of a world changed by the parameters of a scenario: a new dict.
@@ -132,45 +127,22 @@ class SweepWorlds:
             FlatlandError: something in its files is wrong, or a parameter has no place in it.
         """
         self._params, self.preprocessor.seed = world_params(parameters), seed
-        content = self._content_of(source)
+        before = self.preprocessor.random_count
+        content = read_world_content(world_file(source, self._folder), self.preprocessor)
         changes = world_changes(parameters)
         for place, value in changes.items():
             if _names_a_file(place) and isinstance(value, str):
                 value = str(self._folder / to_path(value))
             set_value(content, place, value)
         if any(map(_names_a_file, changes)):
-            content = self._read(content)  # again, with the new models and maps
-        return content
-
-    def close(self) -> None:
-        """Ends the process that evaluates expressions."""
-        self.preprocessor.close()
-
-    def _content_of(self, source: str) -> Dict[str, Any]:
-        """The content of a world's files; read again only if they read other parameters."""
-        if self._last is not None and self._last[0] == source:
-            _, read, seed, content = self._last
-            is_same = all(self._params.get(name) == value for name, value in read.items())
-            if is_same and seed in (None, self.preprocessor.seed):
-                self.is_random = seed is not None
-                return deepcopy(content)
-        self._reading, self.is_random = {}, False
-        content = self._read(world_file(source, self._folder))
-        seed = self.preprocessor.seed if self.is_random else None
-        self._last = source, self._reading, seed, content
-        return deepcopy(content)
-
-    def _read(self, world: Union[Path, Mapping[str, Any]]) -> Dict[str, Any]:
-        """Reads a world from its files."""
-        before = self.preprocessor.random_count
-        content = read_world_content(world, self.preprocessor)
-        self.is_random |= self.preprocessor.random_count != before
+            # Again, with the new models and maps.
+            content = read_world_content(content, self.preprocessor)
+        self.is_random = self.preprocessor.random_count != before
         return content
 
     def _get_param(self, name: str, default: Any) -> Any:
         name = absolute_name(name)
         self.params_read.add(name)
-        self._reading[name] = self._params.get(name)
         return self._params.get(name, default)
 
 

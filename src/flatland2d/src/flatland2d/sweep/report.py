@@ -16,6 +16,7 @@ from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.settings import Scenario
 from flatland2d.sweep.tables import one_line
 from flatland_server.canvas import Canvas, Rgba
+from flatland_server.exceptions import listed
 from flatland_server.geometry import Point
 
 _STYLE = """
@@ -147,15 +148,10 @@ def _failures(rows: Sequence[Mapping[str, Any]]) -> str:
         return ""
     items = "".join(
         f"<li>{len(numbers)}: {html.escape(reason)} "
-        f"<small>(scenario {_first(numbers)})</small></li>"
+        f"<small>(scenario {listed(list(map(str, numbers)))})</small></li>"
         for reason, numbers in reasons.items()
     )
     return f"<h2>Failed to run to the end</h2><ul>{items}</ul>"
-
-
-def _first(numbers: Sequence[int]) -> str:
-    shown = ", ".join(map(str, numbers[:10]))
-    return shown if len(numbers) <= 10 else f"{shown} ..."
 
 
 def _figures(command: str, rows: Sequence[Mapping[str, Any]], pictures: Sequence[Picture]) -> str:

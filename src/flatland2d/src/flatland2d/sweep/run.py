@@ -7,7 +7,7 @@ import numpy as np
 
 from flatland2d.handles import ModelHandle
 from flatland2d.simulation import Simulation
-from flatland2d.sweep.metrics import barn_score, motion_metrics
+from flatland2d.sweep.metrics import METRICS, barn_score, motion_metrics
 from flatland2d.sweep.people import ZONES, PeopleMetrics, Twist
 from flatland2d.sweep.settings import SweepSettings, Task
 from flatland2d.touch import Touch
@@ -23,48 +23,6 @@ OTHER_COLUMNS = ("status", "error", "scenarios", "failed")
 
 ESTIMATE_ENDS = ("_low", "_high", "_count")
 """The ends of the names of columns beside that of a rate or mean."""
-
-METRICS = (
-    "outcome",
-    "success",
-    "collision",
-    "collision_with",
-    "contacts",
-    "person_collision",
-    "robot_at_fault",
-    "success_unless_hit",
-    "robot_speed_at_contact",
-    "person_speed_at_contact",
-    "timed_out",
-    "time",
-    "time_to_goal",
-    "path_to_goal",
-    "path_length",
-    "shortest_path",
-    "spl",
-    "barn_score",
-    "min_clearance",
-    "people_distance",
-    "mean_people_distance",
-    "intimate_fraction",
-    "personal_fraction",
-    "social_fraction",
-    "group_crossing_rate",
-    "stalled_time",
-    "heading_change",
-    "mean_jerk",
-    "speed_change",
-    "turn_change",
-    "localization_error",
-    "max_localization_error",
-    "goal_distance",
-    "start_x",
-    "start_y",
-    "start_yaw",
-    "goal_x",
-    "goal_y",
-)
-"""The measured values of each scenario, in the order of the table's columns."""
 
 SCORED = ("contacts", "speed_change", "turn_change", "localization_error", "max_localization_error")
 """The metrics that a `GoalScore` has."""

@@ -49,12 +49,16 @@ class Result:
         returned: the values that the controller has returned, by name.
         error: why it could not be run to the end; empty if it was.
         traceback: of an exception of the controller.
+        seconds: of real time that the sweep has needed for it.
+        attempts: how often the sweep has begun it.
     """
 
     row: Row
     returned: Row
     error: str = ""
     traceback: str = ""
+    seconds: float = 0.0
+    attempts: int = 0
 
 
 class ScenarioRunner:
@@ -90,10 +94,6 @@ class ScenarioRunner:
             for observer in observers:
                 observer.on_end(run)
             return result
-
-    def close(self) -> None:
-        """Ends the process that evaluates expressions in the worlds' files."""
-        self._reader.close()
 
     def _open(self, scenario: Scenario) -> Simulation:
         """A simulation of the scenario's world.

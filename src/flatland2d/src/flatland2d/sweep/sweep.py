@@ -6,7 +6,7 @@ import os
 import shlex
 import zlib
 from collections import Counter
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import (
     Any,
@@ -17,22 +17,20 @@ from typing import (
     Iterator,
     List,
     NamedTuple,
-    Protocol,
     Tuple,
-    TypeVar,
+    Union,
 )
 
-from flatland2d.sweep.comparison import comparison_rows
+from flatland2d.sweep.comparison import comparison_rows, read_rows
 from flatland2d.sweep.fingerprints import Fingerprints
-from flatland2d.sweep.local_pool import Done
+from flatland2d.sweep.local_pool import LocalPool
 from flatland2d.sweep.metrics import SUMMARISED
 from flatland2d.sweep.paper import figure, latex_table, markdown_table, with_metrics
-from flatland2d.sweep.regressions import read_rows
+from flatland2d.sweep.ray_pool import RayPool
 from flatland2d.sweep.report import draw, report_html, unsuccessful
 from flatland2d.sweep.runner import Result, ScenarioRunner
 from flatland2d.sweep.settings import Scenario, SweepSettings, scenarios_of
 from flatland2d.sweep.tables import (
-    Entry,
     csv_bytes,
     parquet,
     rows_of,
@@ -49,19 +47,8 @@ _HEADER = b'{"format": "flatland sweep 1"}\n'
 _CHECKSUM = b', "crc32": '
 """Separates the content of a line from its CRC-32."""
 
-T = TypeVar("T")
 
-
-class Pool(Protocol):
-    """The interface of `LocalPool` and `RayPool`."""
-
-    def map(
-        self, function: Callable[[ScenarioRunner, Scenario], T], scenarios: Iterable[Scenario]
-    ) -> Iterator[Done[T]]:
-        """Calls a function with each scenario; yields each when it is done, in any order."""
-
-    def close(self) -> None:
-        """Stops all workers at once."""
+Pool = Union[LocalPool, RayPool]
 
 
 class Written(NamedTuple):
@@ -115,11 +102,11 @@ class Sweep:
         Args:
             with_failed: whether to include those that could not be run to the end.
         """
-        entries = [(each, self._journal.entries.get(key)) for each, key in self._keys()]
+        results = [(each, self._journal.entries.get(key)) for each, key in self._keys()]
         return [
             scenario
-            for scenario, entry in entries
-            if entry is None or (with_failed and entry.result.error)
+            for scenario, result in results
+            if result is None or (with_failed and result.error)
         ]
 
     def count_done(self) -> int:
@@ -146,8 +133,8 @@ class Sweep:
         """Runs scenarios; each result is in the journal before it is yielded."""
         for done in pool.map(ScenarioRunner.run, scenarios):
             result = done.answer or Result({}, {}, done.failure)
-            entry = Entry(result, done.seconds, done.attempts)
-            self._journal.add(self._fingerprints[done.scenario.number], entry)
+            result = replace(result, seconds=done.seconds, attempts=done.attempts)
+            self._journal.add(self._fingerprints[done.scenario.number], result)
             yield result
 
     def write(self, pool: Pool, pictures: int, metrics: Collection[str] = SUMMARISED) -> Written:
@@ -267,12 +254,11 @@ class Journal:
             self.close()
             raise
 
-    def add(self, fingerprint: str, entry: Entry) -> None:
+    def add(self, fingerprint: str, result: Result) -> None:
         """Writes the result of a scenario."""
-        times = {"seconds": entry.seconds, "attempts": entry.attempts}
-        content = json.dumps({"scenario": fingerprint, **asdict(entry.result), **times}).encode()
+        content = json.dumps({"scenario": fingerprint, **asdict(result)}).encode()
         self._write(b"%s%s%d}\n" % (content[:-1], _CHECKSUM, zlib.crc32(content[:-1])))
-        self.entries[fingerprint] = entry
+        self.entries[fingerprint] = result
 
     def read_again(self) -> None:
         """Reads the entries from the file, after an interruption of `add` at any place."""
@@ -290,7 +276,7 @@ class Journal:
             raise FlatlandError(f"{self._path}: cannot be written: {error.strerror}") from None
 
 
-def read_entries(path: Path) -> Dict[str, Entry]:
+def read_entries(path: Path) -> Dict[str, Result]:
     """The results of a journal, by fingerprint; none if there is no such file.
 
     Raises:
@@ -299,7 +285,7 @@ def read_entries(path: Path) -> Dict[str, Entry]:
     return _read(path)[0] if path.exists() else {}
 
 
-def _read(path: Path) -> Tuple[Dict[str, Entry], List[int], int]:
+def _read(path: Path) -> Tuple[Dict[str, Result], List[int], int]:
     """The entries of a journal, its damaged lines, and the size of its complete lines [bytes].
 
     Raises:
@@ -310,12 +296,11 @@ def _read(path: Path) -> Tuple[Dict[str, Entry], List[int], int]:
     except OSError as error:
         raise FlatlandError(f"{path}: cannot be read: {error.strerror}") from None
     *lines, _ = content.split(b"\n")
-    entries: Dict[str, Entry] = {}
+    entries: Dict[str, Result] = {}
     damaged = []
     for number, line in enumerate(lines, start=1):
         try:
-            fingerprint, entry = _entry(line)
-            entries[fingerprint] = entry
+            entries.update([_entry(line)])
         except (ValueError, KeyError, TypeError, RecursionError):
             if number > 1 or line + b"\n" != _HEADER:
                 damaged.append(number)
@@ -324,11 +309,10 @@ def _read(path: Path) -> Tuple[Dict[str, Entry], List[int], int]:
     return entries, damaged, content.rfind(b"\n") + 1
 
 
-def _entry(line: bytes) -> Tuple[str, Entry]:
-    """The fingerprint and the entry of a line; fails if it is damaged."""
+def _entry(line: bytes) -> Tuple[str, Result]:
+    """The fingerprint and the result of a line; fails if it is damaged."""
     content, _, checksum = line.rpartition(_CHECKSUM)
     if checksum != b"%d}" % zlib.crc32(content):
         raise ValueError
     found = json.loads(content + b"}")
-    result = Result(found["row"], found["returned"], found["error"], found["traceback"])
-    return found["scenario"], Entry(result, found["seconds"], found["attempts"])
+    return found.pop("scenario"), Result(**found)

@@ -7,17 +7,16 @@ import csv
 import io
 import json
 import math
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
 
 from flatland2d.sweep.intervals import mean, rate
-from flatland2d.sweep.metrics import SUMMARISED
-from flatland2d.sweep.run import ESTIMATE_ENDS, METRICS
+from flatland2d.sweep.metrics import METRICS, SUMMARISED
+from flatland2d.sweep.run import ESTIMATE_ENDS
 from flatland2d.sweep.runner import Result
 from flatland2d.sweep.settings import Scenario
 from flatland_server.config import replacing
-from flatland_server.exceptions import FlatlandError, MissingPackageError, pip_install
+from flatland_server.exceptions import FlatlandError, needed_module, pip_install
 
 BOOL, INT, FLOAT, STRING = "bool", "int64", "float64", "string"
 
@@ -39,30 +38,14 @@ class Column(NamedTuple):
 Table = List[Column]
 
 
-@dataclass(frozen=True)
-class Entry:
-    """A scenario that is done.
-
-    Attributes:
-        result: the result of the scenario.
-        seconds: of real time.
-        attempts: how often it was begun.
-    """
-
-    result: Result
-    seconds: float
-    attempts: int
-
-
-Results = Sequence[Tuple[Scenario, Entry]]
+Results = Sequence[Tuple[Scenario, Result]]
 
 
 def rows_of(results: Results) -> List[Dict[str, Any]]:
     """A row for each scenario, in the order of their numbers."""
-    returned = sorted({name for _, entry in results for name in entry.result.returned})
+    returned = sorted({name for _, result in results for name in result.returned})
     rows = []
-    for scenario, entry in results:
-        result = entry.result
+    for scenario, result in results:
         row = scenario.columns
         row["status"] = "failed" if result.error else "done"
         row.update({name: result.row.get(name) for name in METRICS})
@@ -76,8 +59,8 @@ def timing_table(results: Results) -> Table:
     """Real time and attempts, which differ from one run of the sweep to the next."""
     columns: Dict[str, List[Any]] = {
         "scenario": [scenario.number for scenario, _ in results],
-        "seconds": [round(entry.seconds, 6) for _, entry in results],
-        "attempts": [entry.attempts for _, entry in results],
+        "seconds": [round(result.seconds, 6) for _, result in results],
+        "attempts": [result.attempts for _, result in results],
     }
     return [column(name, values) for name, values in columns.items()]
 
@@ -89,24 +72,24 @@ def summary_rows(results: Results) -> List[Dict[str, Any]]:
     and means. For each of these three columns: the rate or mean, and `_low` and `_high`, the ends
     of its confidence interval, within the metric's range; for means also `_count`.
     """
-    groups: Dict[str, List[Tuple[Scenario, Entry]]] = {}
-    for scenario, entry in results:
-        groups.setdefault(repr(scenario.group), []).append((scenario, entry))
-    names = [*SUMMARISED, *_numeric_names(entry for _, entry in results)]
+    groups: Dict[str, List[Tuple[Scenario, Result]]] = {}
+    for scenario, result in results:
+        groups.setdefault(repr(scenario.group), []).append((scenario, result))
+    names = [*SUMMARISED, *_numeric_names(result for _, result in results)]
     return [_summary(group, names) for group in groups.values()]
 
 
-def _numeric_names(entries: Iterable[Entry]) -> List[str]:
+def _numeric_names(results: Iterable[Result]) -> List[str]:
     """The names of returned values that are numbers or booleans."""
     kinds: Dict[str, bool] = {}
-    for entry in entries:
-        for name, value in entry.result.returned.items():
+    for result in results:
+        for name, value in result.returned.items():
             kinds[name] = kinds.get(name, True) and not isinstance(value, str)
     return sorted(name for name, is_number in kinds.items() if is_number)
 
 
 def _summary(group: Results, names: Sequence[str]) -> Dict[str, Any]:
-    done = [entry.result for _, entry in group if not entry.result.error]
+    done = [result for _, result in group if not result.error]
     row = {**group[0][0].group, "scenarios": len(group), "failed": len(group) - len(done)}
     for name in names:
         values = [{**result.returned, **result.row}.get(name) for result in done]
@@ -173,14 +156,11 @@ def parquet(table: Table) -> bytes:
     Raises:
         MissingPackageError: pyarrow is not installed.
     """
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError as error:
-        raise MissingPackageError(
-            f"a Parquet file needs pyarrow: {pip_install('sweep')}, or in a ROS workspace as "
-            f"docs/sweeps.md says under Parquet and Ray ({str(error).splitlines()[0]})"
-        ) from None
+    also = "in a ROS workspace as docs/sweeps.md says under Parquet and Ray"
+    install = f"{pip_install('sweep')}, or {also}"
+    needed_module("pyarrow.parquet", "a Parquet file needs pyarrow", install)
+    import pyarrow.parquet
+
     types = {
         BOOL: pyarrow.bool_(),
         INT: pyarrow.int64(),

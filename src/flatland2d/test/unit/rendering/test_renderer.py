@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from flatland2d import Simulation
 from flatland2d.rendering import renderer as rendering
-from flatland2d.rendering.plot import plot
-from flatland2d.rendering.renderer import Renderer, render
+from flatland2d.rendering.renderer import Renderer, to_array
 from flatland2d.rendering.scene import grid_cell
 from flatland_server.exceptions import FlatlandError, ModelError
 from flatland_server.geometry import Pose
@@ -59,6 +59,11 @@ def load(files, *, plugins="[]", color="[0, 0, 1, 1]", loader=None) -> Harness:
         f"properties: {{}}\nlayers: [{{name: map, map: {files.walls('room', *walls)}, "
         f"color: {color}}}]\nmodels: [{{name: disc, model: disc.model.yaml, pose: [2, 1, 0]}}]\n"
     )
+
+
+def render(world, size=None, *, follow=None, width=10.0, **shown):
+    renderer = Renderer(world)
+    return to_array(renderer.image(renderer.view(size, follow=follow, width=width), **shown))
 
 
 def where(picture, color, tolerance=3) -> np.ndarray:
@@ -126,7 +131,7 @@ def test_walls_are_drawn_once_for_all_pictures(simulation, monkeypatch):
     drawn = []
     draw = rendering.scene.draw_walls
     monkeypatch.setattr(
-        "flatland2d.rendering.tiles.draw_walls",
+        "flatland2d.rendering.renderer.draw_walls",
         lambda *arguments: (drawn.append(1), draw(*arguments)),
     )
     view = renderer.view((300, 300))
@@ -304,21 +309,23 @@ def test_without_a_size_the_longer_side_has_1600_pixels(simulation):
     assert Renderer(simulation.world).view(follow="disc").size == (800, 800)
 
 
-def test_a_plot_is_in_metres(simulation):
-    axes, renderer = Mock(), Renderer(simulation.world)
-
-    assert plot(renderer, axes) is axes
+def test_a_plot_is_in_metres(simulation, files):
+    axes = Mock()
+    with Simulation(files.folder / "world.yaml") as sim:
+        assert sim.plot(axes) is axes
 
     [image] = axes.imshow.call_args.args
-    assert image == renderer.image()
+    assert image == Renderer(simulation.world).image()
     extent = axes.imshow.call_args.kwargs["extent"]
     assert extent == pytest.approx((-4.2, 4.2, -4.2, 4.2), abs=0.02)
     axes.set_xlabel.assert_called_once_with("x [m]")
     axes.set_ylabel.assert_called_once_with("y [m]")
 
 
-def test_a_plot_without_matplotlib_is_an_error(simulation, monkeypatch):
+def test_a_plot_without_matplotlib_is_an_error(simulation, files, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
 
-    with pytest.raises(FlatlandError, match="pip install matplotlib"):
-        plot(Renderer(simulation.world))
+    with Simulation(files.folder / "world.yaml") as sim, pytest.raises(
+        FlatlandError, match="pip install matplotlib"
+    ):
+        sim.plot()

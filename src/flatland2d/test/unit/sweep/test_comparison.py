@@ -6,10 +6,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from flatland2d.sweep.comparison import compare, comparison_rows, holm
+from flatland2d.sweep.comparison import compare, comparison_rows, holm, junit, read_rows, verdicts
 from flatland2d.sweep.metrics import SUMMARISED
 from flatland2d.sweep.paper import figure, latex_table, markdown_table
-from flatland2d.sweep.regressions import junit, read_rows, verdicts
 from flatland_server.exceptions import FlatlandError
 
 COLUMNS = ("success", "collision", "time_to_goal")

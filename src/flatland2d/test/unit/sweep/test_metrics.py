@@ -1,7 +1,6 @@
 """Metrics of runs against cases that were computed by hand."""
 
 import math
-from contextlib import closing
 
 import numpy as np
 import pytest
@@ -75,8 +74,8 @@ def ahead(folder, settings_of):
             world.write(more)
         call = f'[{{name: a, call: "drivers.py:ahead", arguments: {{speed: {speed}}}}}]'
         settings = settings_of(controllers=call, start=start, **keys)
-        with closing(ScenarioRunner(settings)) as runner:
-            return runner.run(scenarios_of(settings)[0]).row
+        runner = ScenarioRunner(settings)
+        return runner.run(scenarios_of(settings)[0]).row
 
     return run
 

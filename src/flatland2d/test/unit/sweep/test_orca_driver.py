@@ -1,7 +1,5 @@
 """The controller that avoids collisions by ORCA, in the canonical scenes."""
 
-from contextlib import closing
-
 import pytest
 
 from flatland2d.sweep.runner import ScenarioRunner
@@ -18,8 +16,8 @@ def test_it_reaches_the_goal_among_people_who_do_not_give_way(settings_of, world
     settings = settings_of(
         worlds=f"[{world}]", controllers=CALL, seeds=2, start=None, goal=goal, time_limit=60
     )
-    with closing(ScenarioRunner(settings)) as runner:
-        results = [runner.run(each) for each in scenarios_of(settings)]
+    runner = ScenarioRunner(settings)
+    results = [runner.run(each) for each in scenarios_of(settings)]
 
     assert [each.error for each in results] == ["", ""]
     assert [each.row["outcome"] for each in results] == ["goal", "goal"]

@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from flatland2d.cli.sweep_progress import show_progress
+from flatland2d.cli.sweep import show_progress
 from flatland2d.sweep.runner import Result
 
 

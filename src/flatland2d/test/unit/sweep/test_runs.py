@@ -1,7 +1,6 @@
 """Runs of scenarios in this process: metrics against geometry, controllers, errors."""
 
 import math
-from contextlib import closing
 
 import numpy as np
 import pytest
@@ -14,8 +13,8 @@ from flatland_server import _core
 
 
 def results_of(settings):
-    with closing(ScenarioRunner(settings)) as runner:
-        return [runner.run(each) for each in scenarios_of(settings)]
+    runner = ScenarioRunner(settings)
+    return [runner.run(each) for each in scenarios_of(settings)]
 
 
 def edit_world(folder, old, new):
@@ -212,9 +211,9 @@ def test_expressions_vary_with_the_seed_and_not_with_scenarios_before(
     assert {result.error for result in results} == {""}
     starts = {s.seed: r.row["start_x"] for s, r in zip(scenarios_of(settings), results)}
     assert len(set(starts.values())) == (3 if "-3" in expression else 1)
-    with closing(ScenarioRunner(settings)) as runner:
-        for scenario, result in [*zip(scenarios_of(settings), results)][::-1]:
-            assert runner.run(scenario) == result
+    runner = ScenarioRunner(settings)
+    for scenario, result in [*zip(scenarios_of(settings), results)][::-1]:
+        assert runner.run(scenario) == result
 
 
 def test_starts_do_not_depend_on_the_walls_of_scenarios_before(folder, settings_of):
@@ -225,8 +224,8 @@ def test_starts_do_not_depend_on_the_walls_of_scenarios_before(folder, settings_
     results = results_of(settings)
 
     assert results[1].error == ""
-    with closing(ScenarioRunner(settings)) as runner:
-        assert runner.run(scenarios_of(settings)[1]) == results[1]
+    runner = ScenarioRunner(settings)
+    assert runner.run(scenarios_of(settings)[1]) == results[1]
 
 
 def test_a_world_with_several_robots_needs_the_name_of_one(folder, settings_of):

@@ -1,7 +1,6 @@
 """Scenario files: their settings, their scenarios, and errors in them."""
 
 import time
-from contextlib import closing
 
 import pytest
 from soak.mutations import LAUGHS
@@ -247,8 +246,8 @@ def test_a_fingerprint_covers_files_chosen_by_parameters(folder, settings_of, mo
         now = fingerprints()
         assert [a != b for a, b in zip(former, now)] == [n == number for n in range(4)], file
         former = now
-    with closing(ScenarioRunner(settings)) as runner:
-        assert [runner.run(each).error for each in scenarios_of(settings)] == [""] * 4
+    runner = ScenarioRunner(settings)
+    assert [runner.run(each).error for each in scenarios_of(settings)] == [""] * 4
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from flatland2d.cli import main
-from flatland2d.sweep.run import METRICS, SweepRun
+from flatland2d.sweep.metrics import METRICS
+from flatland2d.sweep.run import SweepRun
 
 ROOT = Path(__file__).resolve().parents[5]
 PAGE = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")

@@ -15,7 +15,7 @@ from flatland2d.sweep.report import summary_cells, text_table
 from flatland2d.sweep.runner import Result
 from flatland2d.sweep.settings import scenarios_of
 from flatland2d.sweep.sweep import Journal, read_entries
-from flatland2d.sweep.tables import Entry, column, csv_bytes, summary_rows, table_of
+from flatland2d.sweep.tables import column, csv_bytes, summary_rows, table_of
 from flatland_server.exceptions import FlatlandError
 
 
@@ -78,7 +78,7 @@ def test_intervals_end_where_the_range_of_a_metric_does(settings_of):
     [scenario, *_] = scenarios_of(settings_of())
     rows = [{"spl": 0.0, "min_clearance": 0.01}, {"spl": 1.0, "min_clearance": 0.5}]
     results = [
-        (scenario, Entry(Result({**row, "jerk": 0.0}, {"n": 9.0 * k}), 1.0, 1))
+        (scenario, Result({**row, "jerk": 0.0}, {"n": 9.0 * k}, seconds=1.0, attempts=1))
         for k, row in enumerate(rows)
     ]
 
@@ -92,7 +92,7 @@ def test_intervals_end_where_the_range_of_a_metric_does(settings_of):
 
 def test_a_table_for_a_paper_has_the_metrics_that_were_chosen(settings_of):
     [scenario, *_] = scenarios_of(settings_of())
-    entry = Entry(Result({"spl": 0.5, "success": True}, {"n": 1}), 1.0, 1)
+    entry = Result({"spl": 0.5, "success": True}, {"n": 1}, seconds=1.0, attempts=1)
 
     table = markdown_table(with_metrics(summary_rows([(scenario, entry)]), ["spl"]))
 
@@ -103,7 +103,7 @@ def test_names_with_any_characters_are_cells_of_one_line(settings_of):
     name = "a|b\n\n_c & 5 %\r<b>\x1b[31m"
     controllers = f"[{{name: {json.dumps(name)}, call: 'drivers.py:ahead'}}]"
     [scenario, *_] = scenarios_of(settings_of(controllers=controllers))
-    summary = summary_rows([(scenario, Entry(Result({"success": True}, {}), 1.0, 1))])
+    summary = summary_rows([(scenario, Result({"success": True}, {}, seconds=1.0, attempts=1))])
 
     [head, *_] = markdown_table(summary).splitlines()
     assert head == "| world | metric | a\\|b  _c & 5 % \\<b> [31m |"
@@ -122,7 +122,7 @@ def test_a_metric_that_is_always_zero_has_no_panel():
     assert with_zero != figure([{**row, "stalled_time": 1.0}])
 
 
-ENTRY = Entry(Result({"time": 0.1 + 0.2, "goal_x": math.nan}, {"n": 1}), 1.5, 1)
+ENTRY = Result({"time": 0.1 + 0.2, "goal_x": math.nan}, {"n": 1}, seconds=1.5, attempts=1)
 
 
 @pytest.fixture

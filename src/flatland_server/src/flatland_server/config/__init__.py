@@ -8,6 +8,7 @@ from flatland_server.config.input_files import (
     is_file,
     open_regular,
     read_input,
+    refusal_by,
     replacing,
     require_free,
 )
@@ -32,6 +33,7 @@ __all__ = [
     "namespace_problem",
     "open_regular",
     "read_input",
+    "refusal_by",
     "replacing",
     "require_free",
     "shipped_worlds",

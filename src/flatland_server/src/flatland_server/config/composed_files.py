@@ -5,8 +5,7 @@ spawned again, is not parsed again.
 """
 
 import io
-import threading
-from collections import OrderedDict
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple, Tuple, Union
 
@@ -14,14 +13,14 @@ import yaml
 
 from flatland_server.config.input_files import MAX_YAML, read_input, too_large
 from flatland_server.config.syntax_errors import syntax_error
-from flatland_server.config.yaml_map import warn_once
+from flatland_server.config.yaml_map import error_at, warn_once
 from flatland_server.config.yaml_values import is_null
 from flatland_server.exceptions import YamlError, shortened
 
 MAX_ITEMS = 100_000  # of a list
 MAX_VALUES = 1_000_000  # keys and values of a file with all that it includes: half a gigabyte
 MAX_DEPTH = 100  # of nested maps and lists
-_MAX_KEPT = 20_000  # of `ComposedFile.size` in all files that are kept: ten megabytes
+_MAX_KEPT = 20_000  # bytes of a file that is kept; its tree takes five megabytes at most
 
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
@@ -37,17 +36,6 @@ class ComposedFile(NamedTuple):
     content: bytes
     """The file's bytes."""
 
-    @property
-    def size(self) -> int:
-        """Its approximate memory [500 bytes]."""
-        return self.value_count + len(self.content) // 500
-
-
-_kept: "OrderedDict[Path, ComposedFile]" = OrderedDict()
-"""The files that were read last, the latest at the end."""
-_lock = threading.Lock()
-"""Guards `_kept`: models are read in several threads."""
-
 
 def compose_file(path: Path, count_before: int = 0) -> ComposedFile:
     """Composes a file.
@@ -59,7 +47,7 @@ def compose_file(path: Path, count_before: int = 0) -> ComposedFile:
     Raises:
         YamlError: it is missing, unreadable, empty, not YAML, nested too deeply or too large.
     """
-    return _compose_cached(path, read_input(path, MAX_YAML), count_before)
+    return _composed(path, read_input(path, MAX_YAML), count_before)
 
 
 def compose_text(text: str, name: Path) -> ComposedFile:
@@ -75,23 +63,12 @@ def compose_text(text: str, name: Path) -> ComposedFile:
     content = text.encode(errors="surrogatepass")
     if len(content) > MAX_YAML:
         raise YamlError(name, too_large(MAX_YAML))
-    return _compose_cached(name, content, 0)
+    return _composed(name, content, 0)
 
 
-def _compose_cached(path: Path, content: bytes, count_before: int) -> ComposedFile:
-    with _lock:
-        kept = _kept.get(path)
-        if kept and kept.content == content and count_before + kept.value_count <= MAX_VALUES:
-            _kept.move_to_end(path)
-            return kept
-    composed = _compose(path, content, count_before)
-    with _lock:
-        _kept.pop(path, None)
-        if composed.size <= _MAX_KEPT:
-            _kept[path] = composed
-            while sum(each.size for each in _kept.values()) > _MAX_KEPT:
-                _kept.popitem(last=False)
-    return composed
+def _composed(path: Path, content: bytes, count_before: int) -> ComposedFile:
+    compose = _compose if len(content) > _MAX_KEPT else _kept
+    return compose(path, content, count_before)
 
 
 def _compose(path: Path, content: bytes, count_before: int) -> ComposedFile:
@@ -115,6 +92,9 @@ def _compose(path: Path, content: bytes, count_before: int) -> ComposedFile:
     return ComposedFile(tuple(documents), value_count, is_plain, content)
 
 
+_kept = lru_cache(maxsize=16)(_compose)
+
+
 def _checked_structure(path: Path, text: str, count_before: int) -> Tuple[int, bool]:
     """The number of values in a text, and whether it is plain; see `ComposedFile`.
 
@@ -125,15 +105,15 @@ def _checked_structure(path: Path, text: str, count_before: int) -> Tuple[int, b
     for event in yaml.parse(_named(text, path), Loader=_LOADER):
         if isinstance(event, yaml.ScalarEvent):
             if event.tag or event.anchor or "$" in event.value or event.value == "<<":
-                _warn_of_tag(path, event)
+                _warn_of_tag(event)
                 is_plain = False
         elif isinstance(event, yaml.CollectionStartEvent):
             if event.tag or event.anchor:
-                _warn_of_tag(path, event)
+                _warn_of_tag(event)
                 is_plain = False
             depth += 1
             if depth > MAX_DEPTH:
-                raise _error_at(path, event, f"expected at most {MAX_DEPTH} levels, found more")
+                raise error_at(event, f"expected at most {MAX_DEPTH} levels, found more")
         elif isinstance(event, yaml.AliasEvent):
             is_plain = False
         else:
@@ -143,20 +123,15 @@ def _checked_structure(path: Path, text: str, count_before: int) -> Tuple[int, b
         count += 1
         if count_before + count > MAX_VALUES:
             problem = f"expected at most {MAX_VALUES} keys and values, found more"
-            raise _error_at(path, event, problem)
+            raise error_at(event, problem)
     return count, is_plain and count <= MAX_ITEMS
 
 
-def _warn_of_tag(path: Path, event: Union[yaml.ScalarEvent, yaml.CollectionStartEvent]) -> None:
+def _warn_of_tag(event: Union[yaml.ScalarEvent, yaml.CollectionStartEvent]) -> None:
     """Warns of a tag that is none of YAML's own, such as `!degrees`."""
     tag = event.tag or "!"
     if tag.startswith("!") and tag != "!":
-        warn_once(str(_error_at(path, event, f'the tag "{shortened(tag, 40)}" is ignored')))
-
-
-def _error_at(path: Path, event: yaml.Event, problem: str) -> YamlError:
-    mark = event.start_mark
-    return YamlError(path, problem, mark.line + 1, mark.column + 1)
+        warn_once(str(error_at(event, f'the tag "{shortened(tag, 40)}" is ignored')))
 
 
 def _named(text: str, path: Path) -> io.StringIO:

@@ -24,6 +24,15 @@ Refusal = Callable[[Path, str], FlatlandError]
 """Makes the error of a file, from its path and the problem."""
 
 
+def refusal_by(kind: Callable[[str], FlatlandError]) -> Refusal:
+    """Refuses files by errors of another kind than YamlError.
+
+    Args:
+        kind: class of the errors.
+    """
+    return lambda path, problem: kind(f"{path}: {problem}")
+
+
 def read_input(path: Path, limit: int, refusal: Refusal = YamlError) -> bytes:
     """The contents of a regular file.
 

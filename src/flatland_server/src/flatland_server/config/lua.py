@@ -10,8 +10,9 @@ import os
 import select
 import sys
 import time
+import weakref
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional
 
 if TYPE_CHECKING:
     import subprocess
@@ -22,6 +23,9 @@ _ANSWER_LIMIT = 30.0  # s of real time until the worker answers, on a busy machi
 _WORKER = Path(__file__).with_name("lua_worker.py")
 
 
+Functions = Mapping[str, Callable[[List[Any]], Any]]
+
+
 class LuaError(Exception):
     """An expression cannot be evaluated; the message says why."""
 
@@ -29,13 +33,10 @@ class LuaError(Exception):
 class LuaEvaluator:
     """Evaluates expressions in a worker process, which is started for the first one.
 
-    Args:
-        functions: the functions `env` and `param` of the expressions, by name. They get a list of
-            arguments, and raise a LuaError to make the expression fail.
+    The process ends with this object.
     """
 
-    def __init__(self, functions: Dict[str, Callable[[List[Any]], Any]]) -> None:
-        self._functions = functions
+    def __init__(self) -> None:
         self._worker: Optional[subprocess.Popen[bytes]] = None
         self._unread = b""
         self._time_left = TIME_LIMIT
@@ -46,11 +47,13 @@ class LuaEvaluator:
         """Restarts the time limit, which holds for the expressions of one file."""
         self._time_left = TIME_LIMIT
 
-    def evaluate(self, code: str, seed: int = 0) -> Any:
+    def evaluate(self, code: str, functions: Functions, seed: int = 0) -> Any:
         """Evaluates an expression, or a chunk of code that returns a value.
 
         Args:
             code: of Lua.
+            functions: its functions `env` and `param`, by name. They get a list of arguments, and
+                raise a LuaError to make the expression fail.
             seed: of math.random, from 0 to 2**31 - 1.
 
         Returns:
@@ -63,11 +66,11 @@ class LuaEvaluator:
         if self._worker is None:
             self._start()
         before = self._processor_time()
-        value = self._evaluate(code, seed, before + self._time_left)
+        value = self._evaluate(code, functions, seed, before + self._time_left)
         self._time_left -= self._processor_time() - before
         return value
 
-    def _evaluate(self, code: str, seed: int, end: float) -> Any:
+    def _evaluate(self, code: str, functions: Functions, seed: int, end: float) -> Any:
         self._send({"code": code, "seed": seed})
         while True:
             message = self._receive(end)
@@ -78,7 +81,7 @@ class LuaEvaluator:
                 self.random_count += message["is_random"]
                 return message["value"]
             try:
-                answer = {"value": self._functions[message["call"]](message["arguments"])}
+                answer = {"value": functions[message["call"]](message["arguments"])}
             except LuaError as error:
                 answer = {"error": str(error)}
             try:
@@ -92,10 +95,9 @@ class LuaEvaluator:
 
     def close(self) -> None:
         """Ends the worker process, if there is one."""
-        worker, self._worker = self._worker, None
-        if worker is not None:
-            worker.kill()
-            worker.communicate()
+        if self._worker is not None:
+            self._worker = None
+            self._end()
 
     def _too_slow(self) -> str:
         message = f"does not end within {TIME_LIMIT:g} s"
@@ -109,7 +111,7 @@ class LuaEvaluator:
         self._unread = b""
         # Started by its file, so that it does not import the package and its dependencies. Isolated
         # (-I), so that it imports nothing from the working directory or from PYTHONPATH.
-        command = [sys.executable or "/usr/bin/python3", "-I", str(_WORKER), str(os.getpid())]
+        command = [sys.executable or "/usr/bin/python3", "-I", str(_WORKER)]
         self._worker = subprocess.Popen(
             command,
             stdin=subprocess.PIPE,
@@ -117,6 +119,7 @@ class LuaEvaluator:
             stderr=subprocess.DEVNULL,
             start_new_session=True,  # Ctrl-C in a terminal does not reach it; `close` ends it
         )
+        self._end = weakref.finalize(self, _end, self._worker, os.getpid())
         # Waits for a first answer, so that starting does not count towards the expression's time.
         self._send({"code": "0", "seed": 0})
         try:
@@ -170,3 +173,10 @@ class LuaEvaluator:
         line, self._unread = self._unread.split(b"\n", 1)
         message: Dict[str, Any] = json.loads(line)
         return message
+
+
+def _end(worker: "subprocess.Popen[bytes]", process: int) -> None:
+    """Ends a worker; does nothing in a fork of the process that has started it."""
+    if os.getpid() == process:
+        worker.kill()
+        worker.communicate()

@@ -6,21 +6,18 @@ Lua's own functions (a pattern that backtracks, a string repeated a billion time
 stopped by killing the process.
 
 The process has little memory and processor time, cannot open a file or a socket, cannot start
-another process, and ends with its parent. (A filter of system calls would also stop the few that
-need none of these, such as deleting a file; but it needs a table of their numbers for each
-processor, and an expression has no means to make a system call.)
+another process, and ends with its input, at the latest after that time. (A filter of system calls
+would also stop the few that need none of these, such as deleting a file; but it needs a table of
+their numbers for each processor, and an expression has no means to make a system call.)
 
 The protocol is JSON, one message per line. Input: `{"code": ..., "seed": ...}`. Output:
 `{"value": ..., "is_random": ...}`, `{"error": ...}`, or `{"call": "env" | "param", "arguments":
 [...]}`, to which the parent process replies with `{"value": ...}` or `{"error": ...}`.
 """
 
-import ctypes
 import json
-import os
 import re
 import resource
-import signal
 import sys
 import time
 from _random import Random  # `random` imports more than all of this program
@@ -180,16 +177,6 @@ def _send(message: Dict[str, Any]) -> None:
     sys.stdout.flush()
 
 
-def _end_with_parent(parent: int) -> None:
-    """Makes the kernel kill this process when the thread that has started it ends (Linux)."""
-    set_parent_death_signal = 1  # PR_SET_PDEATHSIG of <linux/prctl.h>
-    libc = ctypes.CDLL(None, use_errno=True)
-    if libc.prctl(set_parent_death_signal, signal.SIGKILL, 0, 0, 0) != 0:
-        raise OSError(ctypes.get_errno(), "prctl")
-    if os.getppid() != parent:  # it has ended before the call
-        sys.exit()
-
-
 def _limit_resources() -> None:
     """Limits memory, files and processes to the needs of evaluating an expression."""
     with open("/proc/self/statm") as file:  # importing pathlib: an eighth of the start
@@ -216,8 +203,7 @@ def _limit_cpu_time() -> None:
 
 
 def main() -> None:
-    """Serves the parent process, named by its id as the argument, by standard input and output."""
-    _end_with_parent(int(sys.argv[1]))
+    """Serves the parent process by standard input and output."""
     worker = Worker()
     _limit_resources()
     worker.serve()

@@ -38,7 +38,7 @@ class ArrayNode(yaml.SequenceNode):
     @property
     def value(self) -> List[yaml.Node]:
         """The rows as nodes, for callers that do not know arrays."""
-        return [_node(row, self.start_mark) for row in self.array.tolist()]
+        return [node_at(row, self.start_mark) for row in self.array.tolist()]
 
 
 def plain_copy(content: Any, name: str, path: str = "", depth: int = 0) -> Any:
@@ -101,7 +101,7 @@ def to_node(content: Any, name: str, path: str = "") -> yaml.Node:
     Raises:
         FlatlandError: as of `plain_copy`.
     """
-    return _node(plain_copy(content, name, path), yaml.Mark(name, 0, NO_LINE, 0, None, 0))
+    return node_at(plain_copy(content, name, path), yaml.Mark(name, 0, NO_LINE, 0, None, 0))
 
 
 def to_content(node: yaml.Node) -> Any:
@@ -122,14 +122,20 @@ def to_content(node: yaml.Node) -> Any:
     return _CONVERTERS[kind](node) if kind in _CONVERTERS else node.value
 
 
-def _node(value: Any, mark: yaml.Mark) -> yaml.Node:
+def node_at(value: Any, mark: yaml.Mark) -> yaml.Node:
+    """The YAML node of plain data at a place.
+
+    Args:
+        value: result of `plain_copy`.
+        mark: the place.
+    """
     if isinstance(value, dict):
-        pairs = [(_node(key, mark), _node(item, mark)) for key, item in value.items()]
+        pairs = [(node_at(key, mark), node_at(item, mark)) for key, item in value.items()]
         return yaml.MappingNode(f"{_TAG}map", pairs, mark, mark)
     if isinstance(value, np.ndarray):
         return ArrayNode(value, mark)
     if isinstance(value, list):
-        return yaml.SequenceNode(f"{_TAG}seq", [_node(item, mark) for item in value], mark, mark)
+        return yaml.SequenceNode(f"{_TAG}seq", [node_at(item, mark) for item in value], mark, mark)
     if value is None:
         return yaml.ScalarNode(f"{_TAG}null", "null", mark, mark)
     kind = {bool: "bool", int: "int", float: "float"}.get(type(value), "str")

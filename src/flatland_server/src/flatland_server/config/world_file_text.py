@@ -272,12 +272,6 @@ class WorldFileText:
         return place
 
 
-def plain(node: yaml.Node) -> Any:
-    """The value of a resolved node, to compare it with another one."""
-    constructor: Any = yaml.constructor.SafeConstructor()
-    return constructor.construct_document(node)
-
-
 def _place(node: yaml.Node) -> Tuple[str, int]:
     return node.start_mark.name, node.start_mark.index
 

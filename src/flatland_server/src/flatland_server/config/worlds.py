@@ -10,7 +10,7 @@ from typing import Dict, Union
 from flatland_server.config.file_names import to_path
 from flatland_server.config.input_files import is_file
 from flatland_server.config.packages import folders_beside
-from flatland_server.exceptions import FlatlandError, listed, shortened, suggestion
+from flatland_server.exceptions import FlatlandError, unknown
 from flatland_server.geometry import Point
 
 SCENE_GOALS: Dict[str, Point] = {
@@ -59,9 +59,6 @@ def find_world(name: Union[str, Path]) -> Path:
         return path
     worlds = shipped_worlds()
     if name not in worlds:
-        hint = suggestion(name, worlds)
-        raise FlatlandError(
-            f'no world is named "{shortened(name)}"{hint}; there are: {listed(worlds)}, '
-            "and any file by its path"
-        )
+        problem = unknown("no world is named", name, worlds)
+        raise FlatlandError(f"{problem}, and any file by its path")
     return worlds[name]

@@ -1,4 +1,4 @@
-"""`$eval` expressions in YAML files: their functions `env` and `param`, their results as nodes."""
+"""`$eval` expressions in YAML files: their functions `env` and `param`."""
 
 import hashlib
 import os
@@ -8,11 +8,11 @@ from typing import Any, Callable, Dict, List, Tuple
 import yaml
 
 from flatland_server.config.lua import LuaError, LuaEvaluator
+from flatland_server.config.plain_nodes import node_at
 from flatland_server.config.yaml_map import error_at, warn_once
 from flatland_server.exceptions import shortened
 
 _NUMBER = re.compile(r"-?(0|[1-9][0-9]{0,14})(\.[0-9]+)?")
-_TAG = "tag:yaml.org,2002:"
 
 
 class Expressions:
@@ -34,7 +34,7 @@ class Expressions:
         self.has_environment = True
         """True if expressions may read environment variables."""
         self._place = ""  # file and line of the expression that is being evaluated
-        self.lua = LuaEvaluator({"env": self._env, "param": self._param})
+        self.lua = LuaEvaluator()
         """The process that evaluates them."""
 
     def evaluate(self, node: yaml.ScalarNode, code: str) -> yaml.Node:
@@ -48,11 +48,13 @@ class Expressions:
             YamlError: the expression fails.
         """
         self._place = f"{node.start_mark.name}:{node.start_mark.line + 1}"
+        functions = {"env": self._env, "param": self._param}
         try:
-            return _to_node(self.lua.evaluate(code, self._seed_of(node, code)), node)
+            value = self.lua.evaluate(code, functions, self._seed_of(node, code))
         except LuaError as error:
             problem, place = shortened(str(error), 120), shortened(code, 60)
             raise error_at(node, f"$eval: {problem}, in: {place}") from None
+        return node_at(value, node.start_mark)
 
     def _seed_of(self, node: yaml.ScalarNode, code: str) -> int:
         """The seed of math.random in an expression."""
@@ -115,22 +117,3 @@ def _from_environment(text: str) -> Any:
     if text in ("true", "false"):
         return text == "true"
     return float(text) if _NUMBER.fullmatch(text) else text  # 007 is a string
-
-
-def _to_node(value: Any, origin: yaml.ScalarNode) -> yaml.Node:
-    """The node of a value that an expression has returned, at the place of the expression."""
-    marks = (origin.start_mark, origin.end_mark)
-    if isinstance(value, dict):
-        pairs = [(_to_node(key, origin), _to_node(item, origin)) for key, item in value.items()]
-        return yaml.MappingNode(f"{_TAG}map", pairs, *marks)
-    if isinstance(value, list):
-        return yaml.SequenceNode(f"{_TAG}seq", [_to_node(v, origin) for v in value], *marks)
-    if value is None:
-        return yaml.ScalarNode(f"{_TAG}null", "", *marks)
-    if isinstance(value, bool):
-        return yaml.ScalarNode(f"{_TAG}bool", "true" if value else "false", *marks)
-    if isinstance(value, str):
-        return yaml.ScalarNode(f"{_TAG}str", value, *marks)
-    if float(value).is_integer() and abs(value) < 2**53:
-        return yaml.ScalarNode(f"{_TAG}int", str(int(value)), *marks)
-    return yaml.ScalarNode(f"{_TAG}float", repr(value), *marks)

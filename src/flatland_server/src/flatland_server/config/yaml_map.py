@@ -2,26 +2,110 @@
 
 import logging
 import math
+from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterable, List, Optional, Set
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Set, Union
 
 import yaml
 
 from flatland_server.config.plain_nodes import NO_LINE, to_content
-from flatland_server.config.problem_collector import ProblemCollector
 from flatland_server.config.ros_names import topic_name_problem
 from flatland_server.config.syntax_errors import other_indentation
-from flatland_server.config.yaml_values import ConversionError, EntryError, describe, is_null
-from flatland_server.exceptions import YamlError, shortened, suggestion
+from flatland_server.config.yaml_values import ConversionError, describe, is_null
+from flatland_server.exceptions import MAX_SHOWN, Problem, YamlError, shortened, suggestion
 
 logger = logging.getLogger(__name__)
 
 _KEYS_OF_FORKS = {"flipped": "upside_down"}
 """Keys of other Flatlands' plugins, and those that do the same here: docs/coming_from_cpp.md."""
 
+Written = Union[yaml.Node, yaml.Event]
+"""A part of a file, with its place."""
+
 REQUIRED: Any = object()
 """As a default: the key must be given."""
+
+
+class ProblemCollector:
+    """The problems found in a document so far, each once, in the order in which they were found.
+
+    The readers of a document and of the sections in it share one collector. An entry of a list has
+    a collector of its own, because it is read or left out as a whole; the document takes over its
+    problems when it has been read (see `part`).
+
+    Args:
+        before: how many problems were found in the document before.
+    """
+
+    def __init__(self, before: int = 0) -> None:
+        self._problems: Dict[Problem, None] = {}  # a set that keeps its order
+        self._before = before
+
+    @property
+    def is_full(self) -> bool:
+        """True if a further problem would only be counted, so that its text does not matter."""
+        return self._before + len(self._problems) >= MAX_SHOWN
+
+    @property
+    def is_empty(self) -> bool:
+        """True if no problem was found so far."""
+        return not self._problems
+
+    def note(self, error: YamlError) -> None:
+        """Adds the problems of an error."""
+        self._problems.update(dict.fromkeys(error.problems))
+
+    def drop(self, error: YamlError) -> None:
+        """Removes the problems of an error."""
+        for problem in error.problems:
+            self._problems.pop(problem, None)
+
+    def clear(self) -> None:
+        """Drops all problems."""
+        self._problems.clear()
+
+    def take(self) -> YamlError:
+        """All problems as one error, to be raised; none are left. There must be one at least."""
+        error = YamlError.of(self._problems)
+        self.clear()
+        return error
+
+    @contextmanager
+    def part(self) -> Iterator["ProblemCollector"]:
+        """A collector for an entry of a list, while that is read.
+
+        A YamlError ends the block and is noted. At the end of the block, the problems of the entry
+        are added to those of the document.
+        """
+        part = ProblemCollector(self._before + len(self._problems))
+        try:
+            yield part
+        except YamlError as error:
+            part.note(error)
+        self._problems.update(part._problems)
+
+
+class MutedCollector(ProblemCollector):
+    """Drops problems in a section that is missing or not a map, which is noted already.
+
+    Args:
+        document: collector of the document, which has the problem.
+    """
+
+    def __init__(self, document: ProblemCollector) -> None:
+        super().__init__()
+        self._document = document
+
+    @property
+    def is_empty(self) -> bool:
+        return self._document.is_empty
+
+    def note(self, error: YamlError) -> None:
+        pass
+
+    def take(self) -> YamlError:
+        return self._document.take()
 
 
 class YamlMap:
@@ -248,13 +332,11 @@ class YamlMap:
             raise self._missing(key)
         try:
             return converter(self._values[key])
-        except EntryError as error:
-            place = f"{self._path_of(key)}[{error.index}]"
-            message = f"expected {error}, found {describe(error.node)}"
-            raise error_at(error.node, message, place) from None
         except ConversionError as error:
-            found = describe(self._values[key])
-            raise self.error(f"expected {error}, found {found}", key) from None
+            node, place = self._values[key], self._path_of(key)
+            if error.index is not None:
+                node, place = node.value[error.index], f"{place}[{error.index}]"
+            raise error_at(node, f"expected {error}, found {describe(node)}", place) from None
 
     def _get(
         self, key: str, default: Any, converter: Callable[[yaml.Node], Any], placeholder: Any
@@ -297,7 +379,7 @@ def check_topic_name(reader: YamlMap, key: str, name: str) -> None:
         reader.problem(problem, key)
 
 
-def file_of(node: yaml.Node) -> Path:
+def file_of(node: Written) -> Path:
     """The file that a node is written in."""
     return _path(node.start_mark.name)
 
@@ -308,7 +390,7 @@ def _path(name: str) -> Path:
     return Path(name)
 
 
-def error_at(node: yaml.Node, message: str, path: str = "") -> YamlError:
+def error_at(node: Written, message: str, path: str = "") -> YamlError:
     """An error at a node.
 
     Args:

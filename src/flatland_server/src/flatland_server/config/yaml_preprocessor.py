@@ -35,6 +35,8 @@ _MERGE_TAG = "tag:yaml.org,2002:merge"
 class YamlPreprocessor:
     """Reads YAML files, and resolves the includes and expressions in them.
 
+    The process that evaluates expressions ends with this object.
+
     Args:
         get_param: for expressions, the value of a parameter: `get_param(path, default)`.
         seed: seed of the world, for math.random in expressions.
@@ -108,10 +110,6 @@ class YamlPreprocessor:
     def is_plain(self, path: Path) -> bool:
         """True if a file that was read has no expressions and includes no other."""
         return path in self._composed and self._composed[path].is_plain
-
-    def close(self) -> None:
-        """Ends the process that evaluates expressions."""
-        self._expressions.lua.close()
 
     def _compose(self, path: Path) -> ComposedFile:
         """A file as it is written; its values count for the limit of the current `read`."""

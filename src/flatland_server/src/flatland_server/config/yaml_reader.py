@@ -9,7 +9,6 @@ placeholder of the right type; `finish` raises what was noted. Do not use a valu
 """
 
 import math
-from contextlib import closing
 from pathlib import Path
 from typing import Any, Callable, Hashable, List, Optional, Sequence, Set, Tuple, TypeVar, cast
 
@@ -20,10 +19,9 @@ from flatland_server.arrays import FloatArray
 from flatland_server.config.file_names import find_file, is_bare, nor_in
 from flatland_server.config.input_files import is_file, similar_file, why_not_a_file
 from flatland_server.config.plain_nodes import to_node
-from flatland_server.config.problem_collector import MutedCollector
 from flatland_server.config.ros_names import FRAME, NAME, TOPIC, is_frame, is_name, is_topic
 from flatland_server.config.yaml_map import REQUIRED as REQUIRED
-from flatland_server.config.yaml_map import YamlMap, file_of
+from flatland_server.config.yaml_map import MutedCollector, YamlMap, file_of
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_values import (
     cells,
@@ -80,10 +78,7 @@ class YamlReader(YamlMap):
         Raises:
             YamlError: it is missing, unreadable, empty, not YAML or not a map.
         """
-        if preprocessor is not None:
-            return cls(preprocessor.read(path))
-        with closing(YamlPreprocessor()) as own:
-            return cls(own.read(path))
+        return cls((preprocessor or YamlPreprocessor()).read(path))
 
     @classmethod
     def from_content(
@@ -100,10 +95,7 @@ class YamlReader(YamlMap):
             FlatlandError: it is no map of plain data, or an expression fails.
         """
         node = to_node(content, name)
-        if preprocessor is not None:
-            return cls(preprocessor.resolve(node))
-        with closing(YamlPreprocessor()) as own:
-            return cls(own.resolve(node))
+        return cls((preprocessor or YamlPreprocessor()).resolve(node))
 
     @classmethod
     def from_text(
@@ -121,10 +113,7 @@ class YamlReader(YamlMap):
             YamlError: it is empty, not YAML or not a map.
         """
         file, root = Path(f"{_TEXT_OF}{name}>"), folder / "text"
-        if preprocessor is not None:
-            return cls(preprocessor.read_text(text, file), root=root)
-        with closing(YamlPreprocessor()) as own:
-            return cls(own.read_text(text, file), root=root)
+        return cls((preprocessor or YamlPreprocessor()).read_text(text, file), root=root)
 
     def again(self) -> "YamlReader":
         """Another reader of the same map, with problems of its own."""

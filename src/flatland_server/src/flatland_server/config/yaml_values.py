@@ -20,8 +20,6 @@ T = TypeVar("T")
 LARGEST = 1e9
 """The largest magnitude of a number: physics is computed in single precision."""
 
-_INFINITY = {"inf", ".inf", "+inf", "+.inf"}
-_MINUS_INFINITY = {"-inf", "-.inf"}
 _TRUE = {"true", "yes", "on", "y"}
 _FALSE = {"false", "no", "off", "n"}
 
@@ -30,22 +28,16 @@ _MOST_ITEMS = 12  # of a list in a description
 
 
 class ConversionError(Exception):
-    """A node has another form than expected. The message is the expected one: "a whole number"."""
-
-
-class EntryError(ConversionError):
-    """An entry of a list has another form than expected.
+    """A node has another form than expected. The message is the expected one: "a whole number".
 
     Args:
         message: the form that was expected.
-        index: index of the entry in its list, from 0.
-        node: node of the entry, for its place.
+        index: index of the entry of a list that has it, from 0; None: the node itself.
     """
 
-    def __init__(self, message: str, index: int, node: yaml.Node) -> None:
+    def __init__(self, message: str, index: Optional[int] = None) -> None:
         super().__init__(message)
         self.index = index
-        self.node = node
 
 
 def is_null(node: yaml.Node) -> bool:
@@ -92,10 +84,8 @@ def to_int(node: yaml.Node) -> int:
 def to_float(node: yaml.Node) -> float:
     """A number or infinity, in YAML's spelling or Python's; not NaN."""
     text = node.value if isinstance(node, yaml.ScalarNode) else ""
-    if text.lower() in _INFINITY:
-        return math.inf
-    if text.lower() in _MINUS_INFINITY:
-        return -math.inf
+    if text.lower() in (".inf", "+.inf", "-.inf"):
+        text = text.replace(".", "")
     try:
         value = float(text.replace("_", "?"))  # float() takes 1_0 for 10
     except ValueError:
@@ -205,8 +195,7 @@ def points(minimum: int, maximum: int) -> Callable[[yaml.Node], List[Tuple[float
         if not minimum <= len(items) <= maximum:
             number = f"{minimum} or more" if maximum == sys.maxsize else f"{minimum} to {maximum}"
             raise ConversionError(f"a list of {number} points [x, y]")
-        found = [_entry(to_point, node, index, item) for index, item in enumerate(items)]
-        return cast(List[Tuple[float, float]], found)
+        return cast(List[Tuple[float, float]], _entries(to_point, items))
 
     return convert
 
@@ -223,19 +212,15 @@ def rows(form: str) -> Callable[[yaml.Node], FloatArray]:
                 return array
         if not isinstance(node, yaml.SequenceNode):
             raise ConversionError(f"a list of {form}")
-        found = [_entry(to_row, node, index, item) for index, item in enumerate(node.value)]
-        return np.array(found, np.float64).reshape(-1, length)
+        return np.array(_entries(to_row, node.value), np.float64).reshape(-1, length)
 
     return convert
 
 
 def outlines(node: yaml.Node) -> List[FloatArray]:
     """Lists of three or more points `[x, y]`, each as an array (k, 2)."""
-    to_points = points(3, sys.maxsize)
-    return [
-        np.array(_entry(to_points, node, index, item), np.float64)
-        for index, item in enumerate(to_items(node))
-    ]
+    found = _entries(points(3, sys.maxsize), to_items(node))
+    return [np.array(outline, np.float64) for outline in found]
 
 
 def cells(node: yaml.Node) -> "np.ndarray[Any, Any]":
@@ -252,12 +237,15 @@ def cells(node: yaml.Node) -> "np.ndarray[Any, Any]":
     return array
 
 
-def _entry(convert: Callable[[yaml.Node], T], node: yaml.Node, index: int, item: yaml.Node) -> T:
-    """An entry of a list; an error names its index."""
-    try:
-        return convert(item)
-    except ConversionError as error:
-        raise EntryError(str(error), index, item) from None
+def _entries(convert: Callable[[yaml.Node], T], items: Sequence[yaml.Node]) -> List[T]:
+    """The entries of a list; an error has the index of one."""
+    found = []
+    for index, item in enumerate(items):
+        try:
+            found.append(convert(item))
+        except ConversionError as error:
+            raise ConversionError(str(error), index) from None
+    return found
 
 
 def describe(node: yaml.Node, depth: int = 2) -> str:

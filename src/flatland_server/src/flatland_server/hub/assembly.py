@@ -18,8 +18,8 @@ from flatland_server.hub.state_publisher import StatePublisher
 from flatland_server.hub.state_services import StateServices
 from flatland_server.hub.world_saving import WorldSaving
 from flatland_server.simulation.history import SHARE_OF_VIEWERS
+from flatland_server.simulation.pacer import WallTimekeeper
 from flatland_server.simulation.simulation_manager import SimulationManager
-from flatland_server.simulation.wall_timekeeper import WallTimekeeper
 
 logger = logging.getLogger(__name__)
 

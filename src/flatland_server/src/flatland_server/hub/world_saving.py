@@ -2,13 +2,13 @@
 
 import os
 import threading
-from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Dict, Iterable, List, Tuple
 
 from flatland_server.config.input_files import replacing
-from flatland_server.config.world_file_text import NewEntry, WorldFileText, plain
+from flatland_server.config.plain_nodes import to_content
+from flatland_server.config.world_file_text import NewEntry, WorldFileText
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.exceptions import FlatlandError, YamlError, counted, listed
 from flatland_server.hub.client_edits import Changes
@@ -70,16 +70,16 @@ class WorldSaving:
     ) -> Tuple[bytes, Dict[str, Any]]:
         """The new text of a world's file, and the value that it should have."""
         assert config.path is not None
-        with self._preprocessor() as preprocessor:
-            config.read_again(None, preprocessor)  # it is still a world
-            root = preprocessor.read(config.path)
+        preprocessor = self._preprocessor()
+        config.read_again(None, preprocessor)  # it is still a world
+        root = preprocessor.read(config.path)
         text = WorldFileText(config.path, root)
         folders = (path.parent, *config.model_folders[1:])
         added = [
             NewEntry(entry.name, entry.namespace, _name_of(entry, folders), entry.pose)
             for entry in changes.added
         ]
-        value = plain(root)
+        value = to_content(root)
         models = filter(_is_enabled, value.get("models") or [])
         former = {model["name"]: model.get("pose") for model in models}
         text.change_models(
@@ -120,8 +120,7 @@ class WorldSaving:
     def _is_as(self, path: Path, expected: Dict[str, Any], is_moved: bool) -> bool:
         """True if a file has a value."""
         try:
-            with self._preprocessor() as preprocessor:
-                found = plain(preprocessor.read(path))
+            found = to_content(self._preprocessor().read(path))
         except YamlError:
             return False
         return _comparable(found, is_moved) == _comparable(expected, is_moved)
@@ -130,8 +129,7 @@ class WorldSaving:
         """Checks that a world file can be loaded, and has the models of a world."""
         assert new.path is not None
         try:
-            with self._preprocessor() as preprocessor:
-                models = new.read_again(path, preprocessor).models
+            models = new.read_again(path, self._preprocessor()).models
         except YamlError as error:
             raise YamlError.of(
                 replace(each, file=new.path) if each.file == path else each
@@ -155,10 +153,8 @@ class WorldSaving:
         if manager.history is not None:
             manager.history.restart()  # its states are of the former file
 
-    def _preprocessor(self) -> "closing[YamlPreprocessor]":
-        return closing(
-            YamlPreprocessor(self._manager.transport.get_param, self._manager.world.seed)
-        )
+    def _preprocessor(self) -> YamlPreprocessor:
+        return YamlPreprocessor(self._manager.transport.get_param, self._manager.world.seed)
 
 
 def _kinds(models: Iterable[ModelEntry]) -> List[Tuple[str, ...]]:

@@ -8,8 +8,8 @@ from flatland_server.plugins.batch_role import (
     CoreLidar,
 )
 from flatland_server.plugins.model_plugin import ModelPlugin
-from flatland_server.plugins.plugin import Plugin
-from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.plugins.plugin import Plugin, plugin_label
+from flatland_server.plugins.plugin_loader import PluginLoader, shared_loader
 from flatland_server.plugins.plugin_rng import plugin_rng
 
 __all__ = [
@@ -21,5 +21,7 @@ __all__ = [
     "ModelPlugin",
     "Plugin",
     "PluginLoader",
+    "plugin_label",
     "plugin_rng",
+    "shared_loader",
 ]

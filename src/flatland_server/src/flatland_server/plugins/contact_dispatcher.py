@@ -5,6 +5,7 @@ the events for which a hook is overridden; all others cost nothing.
 """
 
 import weakref
+from operator import attrgetter
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence
 
 from flatland_server import _core
@@ -121,10 +122,6 @@ class ContactDispatcher:
         entities = dict.fromkeys([self._entities.find(id_a), self._entities.find(id_b), None])
         listeners = [each for entity in entities for each in by_entity.get(entity, ())]
         if len(listeners) > 1:
-            listeners.sort(key=_order)
+            listeners.sort(key=attrgetter("order"))
         for _, plugin, hook in listeners:
             self._call(plugin, name, hook, contact, *details)
-
-
-def _order(listener: _Listener) -> int:
-    return listener.order

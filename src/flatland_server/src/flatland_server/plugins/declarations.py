@@ -27,9 +27,7 @@ found twice counts once.
 import logging
 import os
 import re
-import sys
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import Dict, Iterator, List, Set, Tuple, Type
 
@@ -62,21 +60,6 @@ class PluginDeclaration:
     class_path: str
     is_cpp: bool = False
     namespace: str = ""
-
-    @classmethod
-    def named(
-        cls, full_name: str, package: str, class_path: str, is_cpp: bool = False
-    ) -> "PluginDeclaration":
-        """The declaration of a name that may be in a namespace, as those of pluginlib are.
-
-        Args:
-            full_name: such as `ConstVelocity` or `my_namespace::ConstVelocity`.
-            package: as for the class.
-            class_path: as for the class.
-            is_cpp: as for the class.
-        """
-        namespace, _, name = full_name.rpartition("::")
-        return cls(name, package, class_path, is_cpp, namespace)
 
     @classmethod
     def of(cls, plugin: Type[Plugin]) -> "PluginDeclaration":
@@ -177,29 +160,14 @@ def read_declarations(package: str, xml: Path) -> List[PluginDeclaration]:
         is_cpp = "::" in class_path
         if "." not in class_path and not is_cpp:
             raise ValueError(f'{xml}: expected type="module.Class", found "{class_path}"')
-        name = "::".join(_SEPARATOR.split(element.get("name", class_path)))
-        declarations.append(PluginDeclaration.named(name, package, class_path, is_cpp))
+        *namespaces, name = _SEPARATOR.split(element.get("name", class_path))
+        namespace = "::".join(namespaces)
+        declarations.append(PluginDeclaration(name, package, class_path, is_cpp, namespace))
     return declarations
 
 
 def entry_point_plugins() -> List[PluginDeclaration]:
-    """The plugins of the packages on sys.path; a faulty declaration is logged.
-
-    They are looked up again only if sys.path or the contents of a folder on it have changed.
-    """
-    return list(_entry_point_plugins(tuple((path, _revision(path)) for path in sys.path)))
-
-
-def _revision(path: str) -> int:
-    """A value that changes when a package is installed into a folder, or removed."""
-    try:
-        return os.stat(path or ".").st_mtime_ns
-    except OSError:
-        return 0
-
-
-@lru_cache(maxsize=1)
-def _entry_point_plugins(_: Tuple[Tuple[str, int], ...]) -> Tuple[PluginDeclaration, ...]:
+    """The plugins of the packages on sys.path; a faulty declaration is logged."""
     from importlib import metadata  # takes 10 ms
 
     # Not metadata.entry_points(): it parses the entry points of all packages before Python 3.10.
@@ -209,7 +177,7 @@ def _entry_point_plugins(_: Tuple[Tuple[str, int], ...]) -> Tuple[PluginDeclarat
         if f"[{GROUP}]" in text:
             name = distribution.metadata["Name"]
             packages.setdefault(name, list(_read_declarations(name, text)))  # the first on the path
-    return tuple(declaration for _, found in sorted(packages.items()) for declaration in found)
+    return [declaration for _, found in sorted(packages.items()) for declaration in found]
 
 
 def _read_declarations(distribution: str, text: str) -> Iterator[PluginDeclaration]:
@@ -223,16 +191,16 @@ def _read_declarations(distribution: str, text: str) -> Iterator[PluginDeclarati
     except configparser.Error as error:
         logger.warning("the plugins of the package %s are left out: %s", distribution, error)
         return
-    for name, value in parser.items(GROUP):
+    for full_name, value in parser.items(GROUP):
         found = _CLASS.fullmatch(value.strip())
         if found:
-            module = found.group("module")
-            class_path = f"{module}.{found.group('name')}"
-            yield PluginDeclaration.named(name, module.partition(".")[0], class_path)
+            namespace, _, name = full_name.rpartition("::")
+            package, path = found["module"].partition(".")[0], f"{found['module']}.{found['name']}"
+            yield PluginDeclaration(name, package, path, namespace=namespace)
         else:
             logger.warning(
                 'the plugin "%s" of the package %s is left out: expected module:Class, found "%s"',
-                name,
+                full_name,
                 distribution,
                 value,
             )

@@ -1,6 +1,6 @@
 """The base class of plugins that belong to a model, such as drives and sensors."""
 
-from typing import Any, ClassVar, NamedTuple, Optional, Set, Tuple
+from typing import Any, Callable, ClassVar, NamedTuple, Optional, Set, Tuple, TypeVar
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from flatland_server.models.model_body import ModelBody
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.node import Node
+
+T = TypeVar("T")
 
 
 class ContactSides(NamedTuple):
@@ -92,13 +94,7 @@ class ModelPlugin(Plugin):
             The body. If there is none of this name, the base of the model; the problem is then
             noted and raised by `config.finish()`.
         """
-        name = config.get_string(key, default)
-        try:
-            return self.model.get_body(name)
-        except ModelError as error:
-            if name or (config.has(key) and config.is_sound):
-                config.problem(str(error), key)
-            return self.model.base
+        return _named(self.model.get_body, config, key, default) or self.model.base
 
     def get_body_names(self, config: YamlReader, key: str) -> Set[str]:
         """The names of bodies in a list of the configuration, which is empty by default.
@@ -130,13 +126,7 @@ class ModelPlugin(Plugin):
             The joint. None if there is none of this name; the problem is then noted and raised by
             `config.finish()`.
         """
-        name = config.get_string(key, default)
-        try:
-            return self.model.get_joint(name)
-        except ModelError as error:
-            if name or (config.has(key) and config.is_sound):
-                config.problem(str(error), key)
-            return None
+        return _named(self.model.get_joint, config, key, default)
 
     def filter_contact(self, contact: _core.Contact) -> Optional[ContactSides]:
         """A contact as seen from this model.
@@ -169,3 +159,14 @@ class ModelPlugin(Plugin):
             frame_id: name of the frame, without the namespace.
         """
         return self.model.name_space_tf(frame_id)
+
+
+def _named(get: Callable[[str], T], config: YamlReader, key: str, default: Any) -> Optional[T]:
+    """The body or joint named by a key; None, with a problem that is noted, if there is none."""
+    name = config.get_string(key, default)
+    try:
+        return get(name)
+    except ModelError as error:
+        if name or (config.has(key) and config.is_sound):
+            config.problem(str(error), key)
+        return None

@@ -71,6 +71,11 @@ HOOKS = (*STEP_HOOKS, *CONTACT_HOOKS)
 """All hooks that are called in a step."""
 
 
+def plugin_label(owner: str, name: str) -> str:
+    """`model/plugin`, or only the name for a plugin of the world."""
+    return f"{owner}/{name}" if owner else name
+
+
 class Plugin:
     """The base class of `ModelPlugin` and `WorldPlugin`; plugins derive from one of these.
 

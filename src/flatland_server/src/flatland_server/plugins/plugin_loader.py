@@ -10,6 +10,7 @@ import inspect
 import logging
 import os
 import sys
+from functools import lru_cache
 from typing import Any, Callable, Dict, Iterable, Optional, Type, TypeVar
 
 import numpy as np
@@ -28,7 +29,7 @@ from flatland_server.plugins.declarations import PluginDeclaration, discover
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.transport.node import Node
 
-__all__ = ["EXAMPLE_PACKAGE", "PluginDeclaration", "PluginLoader", "discover"]
+__all__ = ["EXAMPLE_PACKAGE", "PluginDeclaration", "PluginLoader", "discover", "shared_loader"]
 
 logger = logging.getLogger(__name__)
 
@@ -163,6 +164,12 @@ class PluginLoader:
             choices = " or ".join(f"{d.namespace or d.package}::{d.name}" for d in found)
             raise PluginError(f'the plugin type "{type}" is ambiguous: write {choices}')
         return found[0]
+
+
+@lru_cache(maxsize=1)
+def shared_loader() -> PluginLoader:
+    """Finds the plugins that packages export, looked up once in a process."""
+    return PluginLoader()
 
 
 def _question() -> str:

@@ -23,7 +23,7 @@ from flatland_server.exceptions import PLUGIN_ERRORS, Problem, YamlError
 from flatland_server.models.entity import Entities, Entity
 from flatland_server.models.plugin_config import PluginConfig
 from flatland_server.plugins.contact_dispatcher import ContactDispatcher
-from flatland_server.plugins.plugin import HOOKS, STEP_HOOKS, Plugin
+from flatland_server.plugins.plugin import HOOKS, STEP_HOOKS, Plugin, plugin_label
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.plugins.plugin_rng import plugin_rng
 from flatland_server.plugins.schedule import NO_CALLS, Schedule, Work
@@ -67,7 +67,7 @@ class PluginFailure(NamedTuple):
     @property
     def label(self) -> str:
         """`model/plugin`, or only the name for a plugin of the world."""
-        return f"{self.owner}/{self.name}" if self.owner else self.name
+        return plugin_label(self.owner, self.name)
 
 
 FailureHandler = Callable[[PluginFailure, BaseException], None]
@@ -174,8 +174,7 @@ class PluginManager:
         self._starting += 1
         try:
             for config in configs:
-                label = f"{model_name}/{config.name}" if model_name else config.name
-                node = self._root_node.scoped(namespace, label)
+                node = self._root_node.scoped(namespace, plugin_label(model_name, config.name))
                 rng = plugin_rng(self._seed, model_name, config.name)
                 try:
                     plugins.append(self._loader.make(config, base, subject, node, rng, self._fail))

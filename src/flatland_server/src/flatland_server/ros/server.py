@@ -28,10 +28,10 @@ from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.rospy_patches.master_calls import NO_ANSWER, Master
 from flatland_server.ros.server_parameters import RosConfig, read_config
 from flatland_server.ros.shutdown import Shutdown
+from flatland_server.simulation.pacer import WallTimekeeper
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.slow_plugin_watch import SlowPluginWatch
 from flatland_server.simulation.thread_priority import ThreadPriority
-from flatland_server.simulation.wall_timekeeper import WallTimekeeper
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 

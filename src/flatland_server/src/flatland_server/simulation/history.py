@@ -110,11 +110,6 @@ class History:
         """The memory that it needs for states and inputs [bytes], without Python's objects."""
         return self._size + len(self._inputs)
 
-    @property
-    def is_in_past(self) -> bool:
-        """True if an earlier time was sought, and the run has not gone on from there."""
-        return bool(self._whole)
-
     def seek(self, time: float) -> None:
         """Puts the run into its state at a time; see `RunWithHistory.seek`.
 

@@ -10,6 +10,7 @@ from weakref import WeakValueDictionary
 
 import numpy as np
 
+from flatland_server.array_math import from_segments, is_enclosed
 from flatland_server.arrays import FloatArray
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import PLUGIN_ERRORS, listed
@@ -122,11 +123,7 @@ def _is_in_dark_area(layer: Entity, model: Model) -> bool:
     solid = [each for each in model.base.config.footprints if not each.sensor]
     if not any(each.layer_bits & layer.config.bits for each in solid):
         return False
-    (x, y), (x1, y1, x2, y2) = model.base.pose[:2], layer.segments.T
-    rows = np.flatnonzero((y1 > y) != (y2 > y))
-    x1, y1, x2, y2 = (each[rows] for each in (x1, y1, x2, y2))
-    crossings = x1 + (y - y1) / (y2 - y1) * (x2 - x1) > x  # to the right
-    return bool(np.count_nonzero(crossings) % 2)
+    return is_enclosed(model.base.pose[:2], layer.segments)
 
 
 def warn_of_sensors(config: ModelConfig, plugins: Sequence[Plugin]) -> None:
@@ -239,9 +236,7 @@ def _gap(footprint: Footprint, point: Point) -> float:
     shape = footprint.shape
     if isinstance(shape, Circle):
         return abs(math.dist(shape.center, point) - shape.radius)
-    starts = np.array(shape.vertices)
-    sides = np.roll(starts, -1, axis=0) - starts
-    ways = np.array(point) - starts
-    squares = np.maximum((sides * sides).sum(1), 1e-12)  # a point may be there twice
-    along = np.clip((ways * sides).sum(1) / squares, 0.0, 1.0)
-    return float(np.hypot(*(ways - along[:, None] * sides).T).min())
+    starts = np.array(shape.vertices, dtype=float)
+    sides = np.hstack([starts, np.roll(starts, -1, axis=0)])
+    away = from_segments(np.array([point]), sides)
+    return float(np.hypot(away[..., 0], away[..., 1]).min())

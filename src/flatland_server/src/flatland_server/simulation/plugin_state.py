@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 from flatland_server import plain_data
 from flatland_server.exceptions import PLUGIN_ERRORS, StateError
-from flatland_server.plugins.plugin import Plugin
+from flatland_server.plugins.plugin import Plugin, plugin_label
 from flatland_server.plugins.plugin_manager import PluginFailure, PluginManager
 from flatland_server.update_timer import UpdateTimer
 
@@ -24,11 +24,6 @@ class PluginState:
     """The state of its generator; empty: it starts from scratch."""
     timer: Optional[Dict[str, Any]]
     state: Any
-
-    @property
-    def label(self) -> str:
-        """`model/plugin`, or only the name for a plugin of the world."""
-        return f"{self.owner}/{self.name}" if self.owner else self.name
 
     @classmethod
     def of(cls, owner: str, plugin: Plugin, failure: Optional[str]) -> "PluginState":
@@ -63,7 +58,8 @@ class PluginState:
         """
         if plugin.type != self.type:
             raise StateError(
-                f'the plugin "{self.label}" is a {self.type} in the state, here a {plugin.type}'
+                f'the plugin "{plugin.node.owner}" is a {self.type} in the state, here a '
+                f"{plugin.type}"
             )
 
         def restore() -> None:
@@ -143,7 +139,7 @@ def _pairs(
         raise StateError(
             "the state is of another world: expected the plugins "
             f"{', '.join(plugin.node.owner for _, plugin in plugins)}; "
-            f"found {', '.join(state.label for state in states)}"
+            f"found {', '.join(plugin_label(each.owner, each.name) for each in states)}"
         )
     return [(plugin, state) for (_, plugin), state in zip(plugins, states)]
 

@@ -67,12 +67,11 @@ def restore(state: WorldState, world: World) -> None:
         StateError: the state does not fit, or the file of a model is missing.
     """
     contents = world.contents
-    if state.own_walls is not None:
-        raise StateError("the state is of an environment with walls of its own: load it in a batch")
-    if state.vary is not None:
-        raise StateError(
-            "the state is of an environment with values of its own: load it in a batch"
-        )
+    for own, what in ((state.own_walls, "walls"), (state.vary, "values")):
+        if own is not None:
+            raise StateError(
+                f"the state is of an environment with {what} of its own: load it in a batch"
+            )
     try:
         _check_walls(state, contents.config)
         _replay_added(state, world)

@@ -1,21 +1,138 @@
 """Runs a world in real time, faster or slower, and pauses it."""
 
+import logging
 import math
 import time
 from concurrent.futures import Future
 from typing import Callable, List, Optional, Sequence
 
-from flatland_server.exceptions import FlatlandError, UsageError
-from flatland_server.simulation.command_wait import CommandWait
+from flatland_server.exceptions import FlatlandError, UsageError, suggestion
 from flatland_server.simulation.history import RunWithHistory
-from flatland_server.simulation.pacer import Pacer
-from flatland_server.simulation.step_request import StepRequest
-from flatland_server.simulation.wall_timekeeper import WallPacer, WallTimekeeper
+from flatland_server.simulation.pacer import Pacer, WallPacer, WallTimekeeper
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
+from flatland_server.transport.arrivals import Arrivals
+
+logger = logging.getLogger(__name__)
+
+_PATIENCE = 1.0
+"""Real time after which a controller without a command is no longer waited for [s]."""
 
 _COMMAND_WAIT = 0.001
 """Real time between two looks for a command that is waited for [s]."""
+
+
+class StepRequest:
+    """Steps to be made, the first of them once expected messages have arrived.
+
+    Args:
+        count: number of steps, 1 or more.
+        expected: topics, by their absolute names; the first step waits until all subscriptions to
+            them have received a message since the last step.
+        deadline: real time at which the wait ends without a step [s].
+        arrivals: arrivals of messages on the transport.
+
+    Raises:
+        ValueError: the count is below 1, or a topic has no subscription here.
+    """
+
+    def __init__(
+        self, count: int, expected: Sequence[str], deadline: float, arrivals: Arrivals
+    ) -> None:
+        if count < 1:
+            raise ValueError(f"expected 1 step or more, found {count}")
+        for topic in expected:
+            if arrivals.has_received(topic) is None:
+                hint = suggestion(topic, arrivals.topics)
+                raise ValueError(f"nothing in the simulation subscribes to {topic}{hint}")
+        self.done: Future[int] = Future()
+        """The simulated time after the last step [ns], or the exception that ended the request."""
+        self.resumes = False
+        """Whether the pause ends once the steps are made."""
+        self._left = count
+        self._has_begun = False
+        self._expected = expected
+        self._deadline = deadline
+        self._arrivals = arrivals
+
+    def is_step_due(self, now: float) -> bool:
+        """True if a step is due now; ends the request if the wait for messages takes too long.
+
+        Args:
+            now: real time [s].
+        """
+        if not self._has_begun:
+            missing = [topic for topic in self._expected if not self._arrivals.has_received(topic)]
+            if missing and now < self._deadline:
+                return False
+            if missing:
+                self.fail(f"no message has come on {', '.join(missing)} since the last step")
+                return False
+            self._has_begun = True
+        return not self.done.done()
+
+    def extend(self, count: int) -> None:
+        """Adds steps that follow those that are left."""
+        self._left += count
+
+    def step_made(self) -> None:
+        """Counts a step that was made."""
+        self._left -= 1
+
+    @property
+    def is_complete(self) -> bool:
+        """True if all steps are made, or the request has failed."""
+        return self._left == 0 or self.done.done()
+
+    def fail(self, reason: str) -> None:
+        """Ends the request with a FlatlandError."""
+        if not self.done.done():
+            self.done.set_exception(FlatlandError(reason))
+
+    def finish(self, nanoseconds: int) -> None:
+        """Reports that all steps are made, at this simulated time."""
+        if not self.done.done():
+            self.done.set_result(nanoseconds)
+
+
+class CommandWait:
+    """Tells when the simulation is to wait, since a controller's last command is too old.
+
+    A controller is waited for from its first command on. One that sends none for a second of real
+    time has ended or has no goal: it is waited for again from its next command on.
+
+    Args:
+        arrivals: arrivals of messages on the transport.
+        steps: the age of a command from which on the simulation waits for the next one.
+        clock: returns the real time [s].
+    """
+
+    def __init__(self, arrivals: Arrivals, steps: int, clock: Callable[[], float]) -> None:
+        self._arrivals = arrivals
+        self._steps = steps
+        self._clock = clock
+        self._since: Optional[float] = None
+
+    def is_due(self, is_stepping: bool) -> bool:
+        """True if the next step has to wait.
+
+        Args:
+            is_stepping: whether steps are made at all; during a pause, no controller is late.
+        """
+        newest = self._arrivals.step - self._steps
+        late = [each for each in self._arrivals.commands if 0 <= each.step <= newest]
+        if not late or not is_stepping:
+            self._since = None
+            return False
+        now = self._clock()
+        if self._since is None:
+            self._since = now
+        if now - self._since < _PATIENCE:
+            return True
+        for each in late:
+            logger.info("no command on %s for %g s: not waited for", each.topic, _PATIENCE)
+            each.forget()
+        return False
 
 
 class SimulationManager(RunWithHistory):

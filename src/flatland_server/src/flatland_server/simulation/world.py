@@ -6,7 +6,7 @@ run.step()
 
 import logging
 import time
-from contextlib import closing, suppress
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Callable, Dict, List, Optional, Sequence, Set, Tuple
@@ -26,6 +26,7 @@ from flatland_server.exceptions import (
     listed,
     shortened,
     suggestion,
+    unknown,
 )
 from flatland_server.geometry import Pose
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
@@ -34,7 +35,7 @@ from flatland_server.models.layer import Layer
 from flatland_server.models.model import Model, ModelConfig
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin import Plugin
-from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.plugins.plugin_loader import PluginLoader, shared_loader
 from flatland_server.plugins.plugin_manager import PluginFailure, PluginRevision
 from flatland_server.simulation import plugin_state
 from flatland_server.simulation.load_warnings import warn_of_sensors, warn_of_traps
@@ -80,7 +81,7 @@ class World:
     ) -> None:
         self.plugin_revision = PluginRevision()
         self.transport: Transport = transport if transport is not None else LocalTransport()
-        self._loader = loader or PluginLoader()
+        self._loader = loader or shared_loader()
         self.contents = WorldContents(
             config, seed, self.transport, self._loader, self.plugin_revision
         )
@@ -117,10 +118,10 @@ class World:
             FlatlandError: a model cannot be created, or a plugin does not start.
         """
         transport = transport if transport is not None else LocalTransport()
-        with closing(YamlPreprocessor(transport.get_param, seed)) as preprocessor:
-            config = WorldConfig.from_file(
-                path, preprocessor, simplify_map=simplify_map, model_folders=model_folders
-            )
+        preprocessor = YamlPreprocessor(transport.get_param, seed)
+        config = WorldConfig.from_file(
+            path, preprocessor, simplify_map=simplify_map, model_folders=model_folders
+        )
         return cls(config, transport, seed=seed, loader=loader)
 
     def twin(self, transport: Transport) -> "World":
@@ -188,9 +189,7 @@ class World:
         for layer in self.layers:
             if name in layer.config.names:
                 return layer
-        hint = suggestion(name, self.registry.names)
-        known = listed(self.registry.names)
-        raise LayerError(f'no layer is named "{shortened(name)}"{hint}; there are: {known}')
+        raise LayerError(unknown("no layer is named", name, self.registry.names))
 
     def get_model(self, name: str) -> Model:
         """The model of this name.
@@ -253,8 +252,8 @@ class World:
         Raises:
             FlatlandError: there is no such file, or something in it is wrong.
         """
-        with closing(YamlPreprocessor(self.transport.get_param, self.seed)) as preprocessor:
-            return self.config.read_model(path, preprocessor)
+        preprocessor = YamlPreprocessor(self.transport.get_param, self.seed)
+        return self.config.read_model(path, preprocessor)
 
     def read_model_entry(
         self, path: ModelSource, name: str, namespace: str, pose: PoseLike
@@ -427,8 +426,8 @@ class World:
             FlatlandError: something in them is wrong, or the world was made without a file.
         """
         read_at = time.monotonic()
-        with closing(YamlPreprocessor(self.transport.get_param, self.seed)) as preprocessor:
-            return replace(self.config.read_again(path, preprocessor), read_at=read_at)
+        preprocessor = YamlPreprocessor(self.transport.get_param, self.seed)
+        return replace(self.config.read_again(path, preprocessor), read_at=read_at)
 
     def rebuild(
         self, config: WorldConfig, seed: int, restore: Callable[[], None] = lambda: None

@@ -1,6 +1,5 @@
 """The contents of a world's files: its properties, layers, models and plugins."""
 
-from contextlib import closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Set, Tuple, Union
@@ -150,9 +149,7 @@ class WorldConfig:
         former: Optional["WorldConfig"] = None,
     ) -> "WorldConfig":
         """Reads a world file or its content, and again for other seeds if it has random numbers."""
-        if preprocessor is None:
-            with closing(YamlPreprocessor()) as own:
-                return cls._open(open, path, own, simplify_map, model_folders)
+        preprocessor = preprocessor or YamlPreprocessor()
         config = cls.read(
             open(preprocessor),
             preprocessor,
@@ -164,9 +161,10 @@ class WorldConfig:
         if preprocessor.random_count == 0:
             return config
 
+        files = preprocessor.again(preprocessor.seed)  # without a process
+
         def with_seed(seed: int) -> "WorldConfig":
-            with closing(preprocessor.again(seed)) as other:
-                return cls._open(open, path, other, simplify_map, model_folders, config)
+            return cls._open(open, path, files.again(seed), simplify_map, model_folders, config)
 
         return replace(config, seed=preprocessor.seed, with_seed=with_seed)
 

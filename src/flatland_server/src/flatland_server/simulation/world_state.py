@@ -11,7 +11,13 @@ from typing import Any, Dict, List, Optional, Union
 import numpy as np
 
 from flatland_server import plain_data
-from flatland_server.config.input_files import MAX_STATE, read_input, replacing, require_free
+from flatland_server.config.input_files import (
+    MAX_STATE,
+    read_input,
+    refusal_by,
+    replacing,
+    require_free,
+)
 from flatland_server.exceptions import StateError
 from flatland_server.simulation.plugin_state import PluginState
 
@@ -152,7 +158,7 @@ def read_state(path: Path) -> bytes:
     Raises:
         StateError: it cannot be read, is no regular file, or is larger than 64 MiB.
     """
-    return read_input(path, MAX_STATE, lambda path, problem: StateError(f"{path}: {problem}"))
+    return read_input(path, MAX_STATE, refusal_by(StateError))
 
 
 def write_state(path: Path, state: bytes) -> None:

@@ -1,10 +1,16 @@
 """Checks of a plugin's behaviour while time passes. Each yields the problems that it finds."""
 
+import inspect
 import logging
 import math
 from contextlib import contextmanager
-from typing import Any, Dict, Iterator, List, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Tuple
 
+import numpy as np
+
+from flatland_server.canvas import Canvas
+from flatland_server.plugins.model_plugin import ModelPlugin
+from flatland_server.plugins.plugin import Plugin
 from flatland_server.testing.checked_plugin import (
     ROBOT,
     CheckedPlugin,
@@ -23,13 +29,8 @@ SECONDS = 0.5
 def check_messages(case: CheckedPlugin) -> Problems:
     """Equal seeds give equal messages, transforms and worlds; a writer's bytes are its message."""
     runs = [case.load(seed=7).go(SECONDS) for _ in range(2)]
-    first, second = (content_of(run) for run in runs)
-    if first != second:
-        different = [f"{a[1]} in step {a[0]}" for a, b in zip(first, second) if a != b]
-        where = (different or ["their number"])[0]
-        yield f"expected equal messages from equal seeds, found a difference in {where}"
-    if state_of(runs[0]) != state_of(runs[1]):
-        yield "expected equal poses and walls from equal seeds, found a difference"
+    first, second = ((content_of(run), state_of(run)) for run in runs)
+    yield from _check_same(first, second, "from equal seeds")
     for topic in sorted(set(runs[0].transport.wrong_data)):
         yield f"expected the MessageWriter of {topic} to make bytes that equal its message"
 
@@ -132,23 +133,24 @@ def check_states(case: CheckedPlugin) -> Problems:
         ends.append((content_of(each.go(SECONDS), *sent), state_of(each)))
     for failure in other.simulation.world.plugin_failures:
         yield f"expected no failure after its state was loaded, found {failure.reason}"
-    yield from _check_same(ends[0], ends[1], "after its state was saved and loaded in a new world")
+    hint = "; get_state returns what a plugin keeps in attributes, and set_state sets it"
+    loaded = "after its state was saved and loaded in a new world"
+    yield from _check_same(ends[0], ends[1], loaded, hint)
     run.simulation.reset()
     run.transport.step = 1
     sent = len(run.transport.events), len(run.transport.sent_transforms)
     again = content_of(run.go(SECONDS), *sent), state_of(run)
-    yield from _check_same((first, began_with), again, "after a reset")
+    yield from _check_same((first, began_with), again, "after a reset", hint)
 
 
-def _check_same(expected: Tuple[Any, Any], found: Tuple[Any, Any], when: str) -> Problems:
+def _check_same(
+    expected: Tuple[Any, Any], found: Tuple[Any, Any], when: str, hint: str = ""
+) -> Problems:
     """Compares contents and states of runs."""
     if expected[0] != found[0]:
         different = [f"{a[1]} in step {a[0]}" for a, b in zip(expected[0], found[0]) if a != b]
         where = (different or ["their number"])[0]
-        yield (
-            f"expected the same messages {when}, found a difference in {where}; "
-            "get_state returns what a plugin keeps in attributes, and set_state sets it"
-        )
+        yield f"expected the same messages {when}, found a difference in {where}{hint}"
     if expected[1] != found[1]:
         yield f"expected the same poses and walls {when}, found a difference"
 
@@ -219,3 +221,98 @@ def _warnings() -> Iterator[List[str]]:
         yield messages
     finally:
         root.removeHandler(handler)
+
+
+_COLUMNS = {"corners": 2, "points": 2, "center": 2, "point": 2, "segments": 4}
+"""The numbers of a row, by the names of a canvas's parameters."""
+
+_COLORS = ("fill", "outline", "color")
+
+
+class CheckingCanvas:
+    """A `Canvas` that draws nothing, and raises the errors of wrong shapes and colours."""
+
+    def __getattr__(self, name: str) -> Callable[..., None]:
+        signature = inspect.signature(getattr(Canvas, name))
+
+        def draw(*arguments: Any, **named: Any) -> None:
+            _, *given = signature.bind(self, *arguments, **named).arguments.items()
+            for parameter, value in given:
+                if parameter in _COLORS:
+                    np.asarray((0.0,) * 4 if value is None else value, dtype=float).reshape(4)
+                elif parameter != "text":
+                    np.asarray(value, dtype=float).reshape(-1, _COLUMNS.get(parameter, 1))
+
+        return draw
+
+
+def check_drawing(case: CheckedPlugin) -> Problems:
+    """A plugin that draws itself does so without an error, and pictures change nothing."""
+    runs = [case.load(seed=7) for _ in range(2)]
+    world = runs[1].simulation.world
+    plugins = [each for owner in ["", *world.models] for each in world.plugins_of(owner).values()]
+    if all(type(plugin).draw is Plugin.draw for plugin in plugins):
+        return
+    runs[1].simulation.allow_failures = True
+    canvas: Any = CheckingCanvas()
+    for _ in range(3):
+        world.contents.plugins.draw(canvas, runs[1].simulation.timekeeper)
+        for run in runs:
+            run.go(SECONDS / 5)
+    for failure in world.plugin_failures:
+        yield f"expected to draw itself, found {failure.reason}"
+    if [content_of(runs[0]), state_of(runs[0])] != [content_of(runs[1]), state_of(runs[1])]:
+        yield "expected the same run with pictures as without, found a difference"
+
+
+def check_readings(case: CheckedPlugin) -> Problems:
+    """Readings change nothing in the run, are equal at one time, and need no subscribers."""
+    run = case.load(seed=7)
+    if not _readings(run):
+        return
+    silent = case.load(seed=7).go(SECONDS)
+    alone = case.load(seed=7, has_subscribers=False)
+    for each in (run, alone):
+        each.go(0.0)
+    step = run.simulation.timekeeper.step_size
+    for _ in range(round(SECONDS / step)):
+        first, second = _readings(run), _readings(run)
+        if first != second:
+            yield f"expected equal readings at one time, found {first[0]} and {second[0]}"
+            return
+        if _readings(alone) != first:
+            yield f"expected the same reading without subscribers, found {_readings(alone)[0]}"
+            return
+        run.simulation.run()
+        alone.simulation.run()
+    if content_of(run) != content_of(silent):
+        yield "expected the same messages after readings, found a difference"
+    if state_of(run) != state_of(silent):
+        yield "expected the same poses and walls after readings, found a difference"
+
+
+def _readings(run: ObservedRun) -> List["_Reading"]:
+    """The present readings of the plugin; none if it is no sensor."""
+    plugins: List[Any] = list(run.simulation.world.plugins_of(ROBOT).values())
+    return [
+        _Reading(read(run.simulation.timekeeper))
+        for plugin in plugins
+        if type(plugin).read is not ModelPlugin.read
+        for read in (plugin.read, *(getattr(plugin, f"read_{each}") for each in plugin.quantities))
+    ]
+
+
+class _Reading:
+    """A value that was read; equal to another one of the same bits, NaN included."""
+
+    def __init__(self, value: Any) -> None:
+        self._value = value
+        # The string of an array takes milliseconds, and leaves out the middle of a long one.
+        is_array = isinstance(value, np.ndarray)
+        self._bits = (value.dtype, value.shape, value.tobytes()) if is_array else repr(value)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Reading) and self._bits == other._bits
+
+    def __str__(self) -> str:
+        return repr(self._value)

@@ -112,9 +112,7 @@ class CheckedPlugin:
         self.files = WorldFiles(loader=loader)
         for name, content in files.items():
             self.files.write(name, content)
-        self._model = dict(
-            model or yaml.safe_load(f"bodies: [{{name: base, footprints: [{DISC}]}}]")
-        )
+        self._model = dict(model or yaml.safe_load(_DISC_MODEL))
         self._world = dict(world or self._room())
         plugin_class = self.files.loader.load(str(self.entry["type"]), Plugin)
         self.is_of_world = issubclass(plugin_class, WorldPlugin)

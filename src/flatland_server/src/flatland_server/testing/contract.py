@@ -7,13 +7,7 @@ import yaml
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.plugins.plugin_loader import PluginLoader
-from flatland_server.testing import (
-    behaviour_checks,
-    configuration_checks,
-    drawing_checks,
-    name_checks,
-    reading_checks,
-)
+from flatland_server.testing import behaviour_checks, configuration_checks, name_checks
 from flatland_server.testing.checked_plugin import CheckedPlugin
 from flatland_server.testing.files import Entry
 
@@ -27,8 +21,8 @@ CHECKS: Tuple[Callable[[CheckedPlugin], Iterator[str]], ...] = (
     behaviour_checks.check_rates,
     behaviour_checks.check_messages,
     behaviour_checks.check_states,
-    drawing_checks.check_drawing,
-    reading_checks.check_readings,
+    behaviour_checks.check_drawing,
+    behaviour_checks.check_readings,
     behaviour_checks.check_bad_messages,
     behaviour_checks.check_end,
 )

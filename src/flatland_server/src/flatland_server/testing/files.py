@@ -4,14 +4,13 @@ import shutil
 import tempfile
 import textwrap
 import weakref
-from functools import lru_cache
 from pathlib import Path
 from typing import Any, Callable, Iterable, Mapping, Optional, Sequence, Tuple, Union
 
 import yaml
 
 from flatland_server.exceptions import FlatlandError
-from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.plugins.plugin_loader import PluginLoader, shared_loader
 from flatland_server.simulation.world import World
 from flatland_server.testing.harness import Harness
 
@@ -47,7 +46,7 @@ class WorldFiles:
             folder = Path(tempfile.mkdtemp(prefix="flatland_"))
             weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
         self.folder = folder
-        self.loader = loader or exported_plugins()
+        self.loader = loader or shared_loader()
         self.step_size = step_size
 
     def write(self, name: str, content: Union[str, Mapping[str, Any]]) -> Path:
@@ -228,9 +227,3 @@ def flow(entry: Entry) -> str:
 def dump(content: Mapping[str, Any], **options: Any) -> str:
     """A map as YAML."""
     return str(yaml.dump(dict(content), Dumper=_DUMPER, sort_keys=False, **options))
-
-
-@lru_cache(maxsize=1)
-def exported_plugins() -> PluginLoader:
-    """Finds the plugins that packages export, looked up once."""
-    return PluginLoader()

@@ -208,24 +208,18 @@ class _ObservingReader:
             return attribute
 
         def get(key: str, *args: Any, **options: Any) -> Any:
-            path = f"{self._path}{key}"
-            self._keys.add(path)
-            if name == "get_sections":
-                args, options = self._with_observed_items(path, args, options)
+            self._keys.add(f"{self._path}{key}")
             value = attribute(key, *args, **options)
-            if name == "get_section":
-                return _ObservingReader(value, self._keys, f"{path}.")
-            return value
+            return self._within(key, value) if name == "get_section" else value
 
         return get
 
-    def _with_observed_items(
-        self, path: str, args: Tuple[Any, ...], options: Dict[str, Any]
-    ) -> Tuple[Tuple[Any, ...], Dict[str, Any]]:
-        """The arguments of `get_sections`, with a `read` that gets observed readers too."""
-        read = args[0] if args else options["read"]
+    def get_sections(self, key: str, read: Callable[[Any], Any], **options: Any) -> List[Any]:
+        """As that of a `YamlReader`, with observed readers of the entries."""
+        self._keys.add(f"{self._path}{key}")
+        return self._reader.get_sections(
+            key, lambda reader: read(self._within(key, reader)), **options
+        )
 
-        def observed(reader: YamlReader) -> Any:
-            return read(_ObservingReader(reader, self._keys, f"{path}."))
-
-        return ((observed, *args[1:]), options) if args else ((), {**options, "read": observed})
+    def _within(self, key: str, reader: YamlReader) -> "_ObservingReader":
+        return _ObservingReader(reader, self._keys, f"{self._path}{key}.")

@@ -10,13 +10,7 @@ from plugin_testing.beacon import Beacon, PointWriter
 from std_msgs.msg import Bool
 
 from flatland_server import Canvas, ModelPlugin, Pose, Timekeeper, Transform, YamlReader
-from flatland_server.testing import (
-    behaviour_checks,
-    configuration_checks,
-    drawing_checks,
-    name_checks,
-    reading_checks,
-)
+from flatland_server.testing import behaviour_checks, configuration_checks, name_checks
 from flatland_server.testing.checked_plugin import CheckedPlugin
 
 REMEMBERED: List[Any] = []
@@ -283,19 +277,19 @@ BROKEN: Dict[Callable[[CheckedPlugin], Iterator[str]], Dict[Type[Beacon], str]] 
         StampsWrongly: "expected /point to be stamped with the time, 0 ns, found 1 ns",
     },
     behaviour_checks.check_messages: {
-        IsNotRepeatable: "expected equal messages from equal seeds, found a difference in",
-        MovesAtRandom: "expected equal poses and walls from equal seeds, found a difference",
+        IsNotRepeatable: "expected the same messages from equal seeds, found a difference in",
+        MovesAtRandom: "expected the same poses and walls from equal seeds, found a difference",
         WritesOtherBytes: "expected the MessageWriter of /point to make bytes that equal its",
     },
     behaviour_checks.check_states: {
         ForgetsItsCount: "expected the same messages after its state was saved and loaded",
         KnowsOfTheLifeBefore: "expected the same messages after a reset, found a difference in",
     },
-    drawing_checks.check_drawing: {
+    behaviour_checks.check_drawing: {
         MovesWhenDrawn: "expected the same run with pictures as without, found a difference",
         FailsToDraw: "expected to draw itself, found draw: ZeroDivisionError",
     },
-    reading_checks.check_readings: {
+    behaviour_checks.check_readings: {
         ReadsItsChance: "expected equal readings at one time, found 0.",
         CountsReadings: "expected the same poses and walls after readings, found a difference",
         ReadsItsMessage: "expected the same reading without subscribers, found 0",
