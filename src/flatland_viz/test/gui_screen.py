@@ -137,6 +137,11 @@ class Screen:
     def wait_until_closed(self, title):
         wait_until(lambda: not self.windows(title), f"the window {title!r} to close")
 
+    def close(self, title, key="Escape"):
+        """Closes a dialog by a key."""
+        self.key(key)
+        self.wait_until_closed(title)
+
     def frame(self, window):
         """Left, top, right and bottom of a window with its title bar [pixels]."""
         return self._area("-frame", "-id", window)

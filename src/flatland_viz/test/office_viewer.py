@@ -257,8 +257,7 @@ class Viewer:
 
     def start_placing(self, file):
         self.open_spawn_dialog(file)
-        self.screen.key("Return")
-        self.screen.wait_until_closed("Spawn Model")
+        self.screen.close("Spawn Model", "Return")
 
     def wait_until_paused(self, is_paused):
         self.waiting(lambda: self.ros.state()["paused"] == is_paused, f"paused: {is_paused}")

@@ -69,8 +69,7 @@ class RoomWindow:
         if name:
             self.screen.key("alt+n", "ctrl+a")
             self.screen.type(name)
-        self.screen.key("Return")
-        self.screen.wait_until_closed("Spawn Model")
+        self.screen.close("Spawn Model", "Return")
 
     def wait_for_state(self, **values):
         def holds():

@@ -111,8 +111,7 @@ def test_the_window_fits_and_remembers(open_window, ros, screen, waiting):
     keys = screen.wait_for_window("Keys and Mouse")
     assert screen.has(keys)
     screen.picture("fits_keys")
-    screen.key("Escape")
-    screen.wait_until_closed("Keys and Mouse")
+    screen.close("Keys and Mouse")
 
     # The window can be made smaller.
     screen.focus(window)

@@ -172,8 +172,7 @@ def test_an_invalid_file_is_reported_and_the_input_kept(viewer):
     # The file is corrected in the same dialog.
     viewer.screen.focus(viewer.screen.windows("Spawn Model")[-1])
     viewer.screen.type(viewer.box)  # the wrong one is selected
-    viewer.screen.key("Return")
-    viewer.screen.wait_until_closed("Spawn Model")
+    viewer.screen.close("Spawn Model", "Return")
     viewer.screen.key("Escape")
     assert viewer.ros.models() == before
 

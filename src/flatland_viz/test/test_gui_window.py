@@ -154,8 +154,7 @@ def test_files_are_reloaded_after_an_edit(window):
     window.key("F5")
     window.screen.wait_for_dialog("Flatland")
     window.screen.picture("window_refused")
-    window.screen.key("Escape")
-    window.screen.wait_until_closed("Flatland")
+    window.screen.close("Flatland")
     assert window.ros.models() == ["turtlebot", "crate"]
     window.waiting(lambda: window.badge("warning"), "the badge")
 
@@ -195,8 +194,7 @@ def test_a_spawn_that_was_refused_is_tried_again_at_its_place(window):
     window.screen.wait_for_dialog("Spawn Model")  # the name is taken
     window.screen.picture("window_taken")
     window.screen.type("crate")  # the name is selected
-    window.screen.key("Return")
-    window.screen.wait_until_closed("Spawn Model")
+    window.screen.close("Spawn Model", "Return")
     window.wait_for_models("turtlebot", "crate")
     x, y, yaw = window.ros.pose("crate")
     window.screen.picture("window_spawned")
@@ -214,8 +212,7 @@ def test_a_second_robot_gets_a_name_and_a_namespace_of_its_own(window, file):
     window.screen.type(file)
     window.screen.key("Tab")
     window.screen.picture("window_second")
-    window.screen.key("Return")
-    window.screen.wait_until_closed("Spawn Model")
+    window.screen.close("Spawn Model", "Return")
     window.screen.click(window.map.pixel(1.5, 1.5))
     models = window.published_models("turtlebot", "turtlebot_2")
     assert [(model["name"], model["ns"]) for model in models] == [
@@ -304,8 +301,7 @@ def test_edits_are_marked_undone_redone_and_saved(window):
     window.key("alt+F4")
     window.screen.wait_for_dialog("Flatland")
     window.screen.picture("window_question")
-    window.screen.key("Escape")
-    window.screen.wait_until_closed("Flatland")
+    window.screen.close("Flatland")
     window.key("ctrl+s")
     window.waiting(lambda: not is_marked(window), "the file to be saved")
 
@@ -386,8 +382,7 @@ def test_an_error_of_the_window_is_logged_once_and_counted(window):
 
         window.waiting(is_logged, "the error")
         window.open_problems("error", "window_own_error")
-        window.screen.key("Escape")
-        window.screen.wait_until_closed("Problems")
+        window.screen.close("Problems")
     finally:
         window.ros.end(other)
     window.ros.spawn(BOX, "crate", 2.0, 1.0)  # the server's own list again
@@ -432,8 +427,7 @@ def test_a_robot_stops_when_the_panel_loses_the_keyboard(drive):
         drive.screen.key("F1")
         drive.screen.wait_for_dialog("Keys and Mouse")
         drive.wait_for_rest()
-    drive.screen.key("Escape")
-    drive.screen.wait_until_closed("Keys and Mouse")
+    drive.screen.close("Keys and Mouse")
     with drive.held("Up"):
         drive.command()
         drive.screen.key("F4")
@@ -472,8 +466,7 @@ def test_robots_that_share_their_commands_are_a_problem(window):
     window.open_problems("warning", "window_shared")
     # tf2 has warned of the shared frames at each step.
     assert window.launch.output.count("redundant timestamp for frame base_link") == 1
-    window.screen.key("Escape")
-    window.screen.wait_until_closed("Problems")
+    window.screen.close("Problems")
     window.ros.call("/delete_model", name="r2")
     window.key("r")
 
@@ -483,8 +476,7 @@ def test_errors_of_diagnostics_are_red(window):
     message = "{status: [{level: 2, name: 'arm: motor', message: 'too hot'}]}"
     program = window.ros.start("rostopic", "pub", "-r", "2", *topic, message)
     window.open_problems("error", "window_errors")
-    window.screen.key("Escape")
-    window.screen.wait_until_closed("Problems")
+    window.screen.close("Problems")
     window.ros.end(program)
     window.waiting(lambda: not window.badge("error"), "the badge to go", 30)
 
@@ -495,8 +487,7 @@ def test_a_frame_of_two_nodes_is_a_problem(window):
         for parent in ("map", "room")
     ]
     window.open_problems("warning", "window_frames")
-    window.screen.key("Escape")
-    window.screen.wait_until_closed("Problems")
+    window.screen.close("Problems")
     for program in programs:
         window.ros.end(program)
     window.waiting(lambda: not window.badge("warning"), "the badge to go", 30)
@@ -506,8 +497,7 @@ def test_hints_go_when_they_no_longer_apply(window):
     window.press("a")
     window.screen.wait_for_dialog("Spawn Model")
     window.waiting(lambda: window.has_hint(), "the hint")
-    window.screen.key("Escape")
-    window.screen.wait_until_closed("Spawn Model")
+    window.screen.close("Spawn Model")
     window.waiting(lambda: not window.has_hint(), "the hint to go")
     window.press("space")
     window.waiting(lambda: window.has_hint(), "the message")
@@ -540,8 +530,7 @@ def test_the_keys_are_shown(window):
         window.screen.key(*keys)
         dialog = window.screen.wait_for_dialog("Keys and Mouse")
         window.waiting(shows_text, "the keys")
-        window.screen.key("Escape")
-        window.screen.wait_until_closed("Keys and Mouse")
+        window.screen.close("Keys and Mouse")
 
 
 def pid_of(uri, node):

@@ -86,11 +86,6 @@ class Attention:
     reaction_time: float = 0.0
     field_of_view: float = 2.0 * math.pi
 
-    @property
-    def numbers(self) -> Tuple[bool, float, float, float]:
-        """As the core takes them."""
-        return self.sees_robots, self.yields, self.reaction_time, self.field_of_view
-
     @classmethod
     def read(cls, reader: YamlReader, default: "Attention") -> "Attention":
         """Reads the keys."""

@@ -1,7 +1,7 @@
 """The people of a crowd: their models, and how they join a crowd of the core, which moves them."""
 
 import math
-from dataclasses import replace
+from dataclasses import astuple, replace
 from pathlib import Path
 from typing import NamedTuple, Optional, Sequence, Tuple
 
@@ -96,7 +96,7 @@ class Person(NamedTuple):
             leg_offset=leg_offset(build),
             walk_ratio=build.walk_ratio,
             leg_radii=leg_radii,
-            attention=self.config.attention.numbers,
+            attention=astuple(self.config.attention),
             group=group,
             area=self.config.area,
             stands=self.config.stands,

@@ -1057,46 +1057,6 @@ class Fixture(_WithoutConstructor):
             layers: bits of its collision layers; None leaves them as they are.
         """
 
-class FixtureChecker(metaclass=_Metaclass):
-    """Checks the fixtures of a body without a world.
-
-    Each method raises the ValueError that the method of Body would raise for a body with the
-    fixtures accepted so far. These matter because Box2D needs a positive moment of inertia, which
-    is lost in rounding if all fixtures of a body are small and far from its origin.
-
-    Args:
-        body_type: static, kinematic or dynamic.
-    """
-
-    def __init__(self, body_type: str) -> None: ...
-    def add_circle(
-        self,
-        center: _PairLike,
-        radius: float,
-        *,
-        density: float,
-        friction: float = 0.0,
-        restitution: float = 0.0,
-        sensor: bool = False,
-        collides: bool = True,
-        visible: bool = True,
-        layers: int = 0xFFFF,
-    ) -> None:
-        """Checks a disc; see `Body.add_circle`."""
-    def add_polygon(
-        self,
-        vertices: Sequence[_PairLike] | FloatArray,
-        *,
-        density: float,
-        friction: float = 0.0,
-        restitution: float = 0.0,
-        sensor: bool = False,
-        collides: bool = True,
-        visible: bool = True,
-        layers: int = 0xFFFF,
-    ) -> None:
-        """Checks the convex hull of 3 to 8 vertices; see `Body.add_polygon`."""
-
 class Joint(_WithoutConstructor):
     """A handle of a joint."""
 

@@ -127,8 +127,8 @@ TEST_F(ContactTest, EndWhenABodyIsRemovedWhichStillExistsThen) {
   world_.Step(kStep);
   ASSERT_EQ(recorder_.Story(), "b");
   recorder_.action = [&](Contact& contact) {
-    const bool leaving_is_a = AreSame(contact.a.body, leaving);
-    EXPECT_TRUE(AreSame((leaving_is_a ? contact.b : contact.a).body, staying));
+    const bool leaving_is_a = contact.a.body == leaving;
+    EXPECT_TRUE((leaving_is_a ? contact.b : contact.a).body == staying);
     EXPECT_TRUE(world_.Contains(leaving));
     EXPECT_NEAR(world_.GetPose(leaving).y, 0.1, 1e-3);
     EXPECT_EQ(world_.GetFixtureCount(leaving), 1);
@@ -240,7 +240,7 @@ TEST_F(ContactTest, HaveTheNormalFromAToB) {
 
       ASSERT_EQ(recorder_.Story(), "b");
       const Event& event = recorder_.events[0];
-      const Vec2 a_to_b = AreSame(event.a.body, first) ? direction : -1.0 * direction;
+      const Vec2 a_to_b = event.a.body == first ? direction : -1.0 * direction;
       EXPECT_NEAR(event.normal.x, a_to_b.x, 1e-5);
       EXPECT_NEAR(event.normal.y, a_to_b.y, 1e-5);
       ASSERT_EQ(event.points.size(), first_is_box && second_is_box ? 2u : 1u);

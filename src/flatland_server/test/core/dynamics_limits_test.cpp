@@ -18,8 +18,6 @@ void ExpectNear(Vec2 value, Vec2 expected, double tolerance) {
   EXPECT_NEAR(value.y, expected.y, tolerance);
 }
 
-double Length(Vec2 v) { return std::hypot(v.x, v.y); }
-
 TEST(DynamicsLimits, AreFiniteAndNotNegative) {
   EXPECT_NO_THROW((DynamicsLimits{0.0, 0.5, 2.0}.Check()));
   for (double bad : {-0.1, kNaN, kInfinity}) {
@@ -220,9 +218,9 @@ TEST_F(AnyApproach, ChangesNoFasterThanItMay) {
       const bool slows_down = Dot(velocity, reached - velocity) < 0.0;
       const double most =
           slows_down ? std::max(limits.acceleration, limits.deceleration) : limits.acceleration;
-      ASSERT_LE(Length(reached - velocity), most * dt + 1e-12);
-      ASSERT_LE(Length(reached), std::max(Length(velocity), limits.velocity) + 1e-12);
-      ASSERT_LE(Length(velocity) - Length(reached), limits.deceleration * dt + 1e-12);
+      ASSERT_LE(LengthOf(reached - velocity), most * dt + 1e-12);
+      ASSERT_LE(LengthOf(reached), std::max(LengthOf(velocity), limits.velocity) + 1e-12);
+      ASSERT_LE(LengthOf(velocity) - LengthOf(reached), limits.deceleration * dt + 1e-12);
       velocity = reached;
     }
   }

@@ -20,6 +20,15 @@ TEST_F(FastBody, IsDrivenAtItsSpeed) {
   EXPECT_NEAR(world_.GetLocalVelocity(body_).vx, 25.0, 1e-5);
 }
 
+TEST_F(FastBody, IsDrivenAtItsSpeedAsACar) {
+  AckermannSettings settings;
+  settings.wheelbase = 1.0;
+  settings.max_steer_angle = 0.5;
+  world_.Get(world_.AddAckermann(body_, {}, settings)).Command({25.0});
+  for (int i = 0; i < 10; ++i) world_.Step(0.1);
+  EXPECT_NEAR(world_.GetPose(body_).x, 25.0, 1e-4);
+}
+
 TEST_F(FastBody, SpeedsUpWithinASlowStep) {
   world_.Get(world_.AddDrive(body_, {50.0, 50.0, 25.0}, {})).Command({100.0, 0.0, 0.0});
   world_.Step(1.0);

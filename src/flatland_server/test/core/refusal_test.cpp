@@ -271,6 +271,8 @@ TEST_F(WorldTest, RefusesATinyCircleFarFromItsBodysOrigin) {
   world_.SetVelocity(body, {1, 0, 0});
   StepTimes(world_, 200);
   EXPECT_NEAR(world_.GetPose(body).x, 1.0, 1e-4);
+  world_.AddPolygon(body, Square(1.0), Solid());  // the inertia is that of all fixtures together
+  EXPECT_NO_THROW(world_.AddCircle(body, {1000, 0}, 0.001, Solid()));
 }
 
 TEST_F(WorldTest, RefusesASolverWithoutIterations) {

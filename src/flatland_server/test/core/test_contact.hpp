@@ -73,10 +73,6 @@ inline FixtureSettings Rubber() {
   return settings;
 }
 
-inline bool AreSame(World::Body a, World::Body b) {
-  return a.index == b.index && a.generation == b.generation;
-}
-
 class ContactTest : public testing::Test {
  protected:
   ContactTest() { world_.contacts().SetListener(&recorder_); }

@@ -1,8 +1,8 @@
 """Commands from keys: directions while keys are held, and changes of speed. Independent of ROS."""
 
-from typing import Dict, NamedTuple
+from typing import Dict
 
-from flatland_teleop.driving_keys import DIRECTIONS, SLOW, direction
+from flatland_teleop.driving_keys import DIRECTIONS, Command, command
 from flatland_teleop.keys import KeyEvent
 
 STOPS = (" ", "focus_out")
@@ -14,14 +14,6 @@ _FACTORS = {
     ",": (1, 1 / 1.1),
 }
 """Factors of a key for the speed and the turning speed."""
-
-
-class Command(NamedTuple):
-    """Speeds in the robot's frame (REP 103): x and y [m/s], yaw [rad/s]."""
-
-    x: float = 0.0
-    y: float = 0.0
-    yaw: float = 0.0
 
 
 class Driving:
@@ -88,7 +80,4 @@ class Driving:
     def command(self, now: float) -> Command:
         """The command at a time [s]; zeros if no key is held."""
         self._held = {key: until for key, until in self._held.items() if until > now}
-        factor = SLOW if self._is_slow else 1.0
-        speed, turn = factor * self.speed, factor * self.turn
-        wanted = direction(self._held)
-        return Command(wanted.forwards * speed, wanted.left * speed, wanted.turn * turn)
+        return command(self._held, self.speed, self.turn, self._is_slow)

@@ -15,6 +15,17 @@ class Direction(NamedTuple):
     """Positive counter-clockwise."""
 
 
+class Command(NamedTuple):
+    """Speeds in the robot's frame (REP 103)."""
+
+    x: float = 0.0
+    """Forwards [m/s]."""
+    y: float = 0.0
+    """To the left [m/s]."""
+    yaw: float = 0.0
+    """Counter-clockwise [rad/s], or the steering angle of a tricycle [rad]."""
+
+
 DIRECTIONS: Dict[str, Direction] = {
     **dict.fromkeys(("up", "w"), Direction(forwards=1.0)),
     **dict.fromkeys(("down", "s"), Direction(forwards=-1.0)),
@@ -40,3 +51,17 @@ def direction(held: Iterable[str]) -> Direction:
     """The direction of keys that are held together; opposite ones cancel each other."""
     parts = zip(Direction(), *(DIRECTIONS[key] for key in held))
     return Direction(*(max(-1.0, min(1.0, sum(part))) for part in parts))
+
+
+def command(held: Iterable[str], speed: float, turn: float, is_slow: bool) -> Command:
+    """The command of keys that are held together.
+
+    Args:
+        held: names of the keys.
+        speed: [m/s].
+        turn: [rad/s], or the steering angle of a tricycle [rad].
+        is_slow: whether Shift is held.
+    """
+    forwards, left, yaw = direction(held)
+    factor = SLOW if is_slow else 1.0
+    return Command(factor * speed * forwards, factor * speed * left, factor * turn * yaw)

@@ -14,8 +14,8 @@ import rosgraph
 import rospy
 from geometry_msgs.msg import Twist
 
-from flatland_teleop.driving import Command, Driving
-from flatland_teleop.driving_keys import HELP
+from flatland_teleop.driving import Driving
+from flatland_teleop.driving_keys import HELP, Command
 from flatland_teleop.keys import KeyDecoder, KeyEvent
 from flatland_teleop.robots import RobotTopic, next_topic, robot_topics
 from flatland_teleop.terminal import Terminal

@@ -2,7 +2,7 @@
 
 from typing import Any, Dict, List, Optional, Set, Tuple
 
-from python_qt_binding.QtCore import QEvent, QLocale, QObject, Qt
+from python_qt_binding.QtCore import QEvent, QLocale, QObject, QSignalBlocker, Qt
 from python_qt_binding.QtGui import QValidator
 from python_qt_binding.QtWidgets import (
     QAbstractItemView,
@@ -20,8 +20,8 @@ from python_qt_binding.QtWidgets import (
     QWidget,
 )
 
-from flatland_teleop.driving_keys import DIRECTIONS, HELP, SLOW, direction
-from flatland_viz.drive_publisher import DrivePublisher, Velocity
+from flatland_teleop.driving_keys import DIRECTIONS, HELP, Command, command
+from flatland_viz.drive_publisher import DrivePublisher
 from flatland_viz.model_list import Model
 from flatland_viz.selection import Selection
 from flatland_viz.settings import Settings
@@ -147,11 +147,10 @@ class DrivePanel(QDockWidget):
         self._robots = {name: model for name, model in models.items() if model.command_topic}
         if before not in self._robots:
             self.stop()  # keys held now must not drive the next robot
-        self._choice.blockSignals(True)
-        self._choice.clear()
-        self._choice.addItems(self._robots)
-        self._choice.setCurrentIndex(max(0, self._choice.findText(before)))
-        self._choice.blockSignals(False)
+        with QSignalBlocker(self._choice):
+            self._choice.clear()
+            self._choice.addItems(self._robots)
+            self._choice.setCurrentIndex(max(0, self._choice.findText(before)))
         self.widget().setEnabled(bool(self._robots))
         self._open()
 
@@ -200,15 +199,13 @@ class DrivePanel(QDockWidget):
 
     def _send(self) -> None:
         """Commands the velocity of the keys that are held together."""
-        forwards, left, turn = direction(_KEYS[key] for key in self._held)
-        speed, rate = self._speed.value(), self._turn.value()
-        factor = SLOW if self._is_slow else 1.0
+        held = (_KEYS[key] for key in self._held)
         self._publisher.command(
-            Velocity(factor * speed * forwards, factor * speed * left, factor * rate * turn)
+            command(held, self._speed.value(), self._turn.value(), self._is_slow)
         )
-        now = Velocity(*(value + 0.0 for value in self._publisher.velocity))  # no "-0.00"
+        now = Command(*(value + 0.0 for value in self._publisher.velocity))  # no "-0.00"
         sideways = f"  {now.y:+.2f} m/s sideways" if now.y else ""
-        self._now.setText(f"{now.x:+.2f} m/s{sideways}  {now.turn:+.2f}{self._turn.suffix()}")
+        self._now.setText(f"{now.x:+.2f} m/s{sideways}  {now.yaw:+.2f}{self._turn.suffix()}")
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
         """Takes the keys of the window while the panel is open."""

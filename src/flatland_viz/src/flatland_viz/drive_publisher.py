@@ -1,23 +1,14 @@
 """Publishes the commands of the Drive panel."""
 
-from typing import NamedTuple, Optional
+from typing import Optional
 
 import rospy
 from geometry_msgs.msg import Twist
 from python_qt_binding.QtCore import QObject, QTimer
 
+from flatland_teleop.driving_keys import Command
+
 _PERIOD = 66  # ms: 15 Hz
-
-
-class Velocity(NamedTuple):
-    """A planar velocity."""
-
-    x: float = 0.0
-    """Forwards [m/s]."""
-    y: float = 0.0
-    """To the left [m/s]."""
-    turn: float = 0.0
-    """Counter-clockwise [rad/s], or the steering angle of a tricycle [rad]."""
 
 
 class DrivePublisher(QObject):
@@ -30,7 +21,7 @@ class DrivePublisher(QObject):
         super().__init__()
         self._publisher: Optional[rospy.Publisher] = None
         self._topic = ""
-        self.velocity = Velocity()
+        self.velocity = Command()
         """The present command."""
         self._timer = QTimer(self, interval=_PERIOD)
         self._timer.timeout.connect(self._publish)
@@ -39,19 +30,19 @@ class DrivePublisher(QObject):
         """Stops the former robot, and publishes on this topic; on none if it is empty."""
         if topic == self._topic:
             return
-        self.command(Velocity())
+        self.command(Command())
         if self._publisher is not None:
             self._publisher.unregister()
         self._topic = topic
         self._publisher = rospy.Publisher(topic, Twist, queue_size=1) if topic else None
 
-    def command(self, velocity: Velocity) -> None:
+    def command(self, velocity: Command) -> None:
         """Commands a velocity."""
         if self._publisher is None or velocity == self.velocity:
             return
         self.velocity = velocity
         self._publish()
-        if velocity == Velocity():
+        if velocity == Command():
             self._timer.stop()
         elif not self._timer.isActive():
             self._timer.start()

@@ -4,7 +4,7 @@ from html import escape
 from pathlib import Path
 from typing import Dict, List, Optional
 
-from python_qt_binding.QtCore import QSize, Qt, QTimer
+from python_qt_binding.QtCore import QSignalBlocker, QSize, Qt, QTimer
 from python_qt_binding.QtGui import QColor, QIcon, QKeySequence, QPainter, QPalette, QPixmap
 from python_qt_binding.QtWidgets import (
     QDockWidget,
@@ -107,15 +107,14 @@ class ModelPanel(QDockWidget):
         self._time = time
 
     def _fill_list(self) -> None:
-        self._list.blockSignals(True)
-        self._list.clear()
-        for name in sorted(self._models, key=lambda name: name not in self._colors):
-            item = QListWidgetItem(_dot(self._colors.get(name), self.devicePixelRatioF()), name)
-            item.setToolTip(name)
-            self._list.addItem(item)
-            if name == self._selection.name:
-                self._list.setCurrentItem(item)
-        self._list.blockSignals(False)
+        with QSignalBlocker(self._list):
+            self._list.clear()
+            for name in sorted(self._models, key=lambda name: name not in self._colors):
+                item = QListWidgetItem(_dot(self._colors.get(name), self.devicePixelRatioF()), name)
+                item.setToolTip(name)
+                self._list.addItem(item)
+                if name == self._selection.name:
+                    self._list.setCurrentItem(item)
         self._filter()
 
     def _filter(self) -> None:
@@ -138,9 +137,8 @@ class ModelPanel(QDockWidget):
     def _show_selected(self) -> None:
         name = self._selection.name
         found = self._list.findItems(name, Qt.MatchExactly) if name else []
-        self._list.blockSignals(True)
-        self._list.setCurrentItem(found[0] if found else None)
-        self._list.blockSignals(False)
+        with QSignalBlocker(self._list):
+            self._list.setCurrentItem(found[0] if found else None)
         self._details.show_model(self._models.get(name))
         self._show_state()
         self._watch()

@@ -67,12 +67,13 @@ class ProblemSources(QObject):
     def close(self) -> None:
         """Ends the thread. No signal is emitted after this; rospy unsubscribes as it shuts down."""
         self._closed.set()
+        self.blockSignals(True)
 
     def forget(self) -> None:
         """Forgets the window's errors and the warnings of transforms: the world was loaded anew."""
         self._own.clear()
         self._warnings = TransformWarnings()
-        self._emit(self.reported, _OWN_SOURCE, [])
+        self.reported.emit(_OWN_SOURCE, [])
         self._report_warnings()
 
     def _report_errors(self) -> None:
@@ -81,7 +82,7 @@ class ProblemSources(QObject):
             before = self._own.pop(text, None)
             times += before.times if before is not None else 0
             self._own[text] = Problem(name, text, True, times, now)
-            self._emit(self.reported, _OWN_SOURCE, list(self._own.values()))
+            self.reported.emit(_OWN_SOURCE, list(self._own.values()))
 
     def _on_log(self, message: RecentLog) -> None:
         problems = [
@@ -91,7 +92,7 @@ class ProblemSources(QObject):
             for entry in message.entries
             if not any(text in entry.msg for text in _LEFT_OUT)
         ]
-        self._emit(self.reported, "log", problems)
+        self.reported.emit("log", problems)
 
     def check_models(self, models: Dict[str, Model]) -> None:
         """Reports robots that share a topic of commands."""
@@ -100,9 +101,7 @@ class ProblemSources(QObject):
     def _last(self, source: str, warnings: Iterable[str]) -> None:
         """Reports all warnings that a source has now."""
         now = rospy.get_time()
-        self._emit(
-            self.reported, source, [Problem(source, text, False, 1, now) for text in warnings]
-        )
+        self.reported.emit(source, [Problem(source, text, False, 1, now) for text in warnings])
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         """Each message has all states of its node. Their names begin with the node's."""
@@ -114,7 +113,7 @@ class ProblemSources(QObject):
         ]
         node = message._connection_header["callerid"]
         self._groups[node] = f"/diagnostics of {node}"
-        self._emit(self.reported, self._groups[node], problems)
+        self.reported.emit(self._groups[node], problems)
 
     def _report_warnings(self) -> None:
         """Fetches the warnings of transforms: their threads must not wait for Python."""
@@ -122,7 +121,7 @@ class ProblemSources(QObject):
         problems = [
             Problem(_TRANSFORM_SOURCE, text, False, times, now) for text, times in counts.items()
         ]
-        self._emit(self.reported, "warnings of transforms", problems)
+        self.reported.emit("warnings of transforms", problems)
 
     def _end_diagnostics(self, nodes: Set[str]) -> None:
         """Ends the states of nodes that have ended.
@@ -131,7 +130,7 @@ class ProblemSources(QObject):
             nodes: those that publish diagnostics now.
         """
         for node in self._groups.keys() - nodes:
-            self._emit(self.reported, self._groups.pop(node), [])
+            self.reported.emit(self._groups.pop(node), [])
 
     def _watch_frames(self) -> None:
         """Asks the master periodically for nodes; samples transforms if several publish some."""
@@ -160,7 +159,3 @@ class ProblemSources(QObject):
         for subscriber in subscribers:
             subscriber.unregister()
         return seen
-
-    def _emit(self, signal: Any, *values: Any) -> None:
-        if not self._closed.is_set():
-            signal.emit(*values)

@@ -8,7 +8,7 @@ import threading
 import time
 import xmlrpc.client
 from contextlib import suppress
-from typing import Any, Dict, FrozenSet, List, NamedTuple, Optional
+from typing import Dict, FrozenSet, List, NamedTuple, Optional
 
 import rosgraph
 import rospy
@@ -58,7 +58,6 @@ class Server(QObject):
         self.debug = rospy.resolve_name(f"{_SERVER}/debug")
         self._graph: Optional[Graph] = None
         self._poll_now = threading.Event()
-        self._is_closed = False
         self._runs = False
         self._subscribers: List[rospy.Subscriber] = []
 
@@ -67,17 +66,18 @@ class Server(QObject):
         self._subscribers = [
             rospy.Subscriber(f"{_SERVER}/{name}", kind, receive, queue_size=1)
             for name, kind, receive in (
-                ("debug/topics", DebugTopicList, self._on_topics),
-                ("models", ModelList, self._on_models),
+                # Models have come or gone, perhaps with their scans.
+                ("debug/topics", DebugTopicList, lambda _: self._poll_now.set()),
+                ("models", ModelList, lambda m: self.models_changed.emit(models_of(m))),
                 ("state", SimulationState, self._on_state),
-                ("loading", UInt8, self._on_loading),
+                ("loading", UInt8, lambda m: self.loading_changed.emit(m.data)),
             )
         ]
         threading.Thread(target=self._poll, name="topics", daemon=True).start()
 
     def close(self) -> None:
         """Unsubscribes. No signal is emitted after this."""
-        self._is_closed = True
+        self.blockSignals(True)
         self._poll_now.set()
         for subscriber in self._subscribers:
             subscriber.unregister()
@@ -95,16 +95,11 @@ class Server(QObject):
         thread.start()
         thread.join(_SHUTDOWN_LIMIT)
 
-    def _emit(self, signal: Any, *values: Any) -> None:
-        if not self._is_closed:
-            signal.emit(*values)
-
     def _on_state(self, message: SimulationState) -> None:
         if not self._runs:
             self._runs = True
-            self._emit(self.runs)
-        self._emit(
-            self.simulation_changed,
+            self.runs.emit()
+        self.simulation_changed.emit(
             Simulation(
                 message.stamp.to_sec(),
                 message.paused,
@@ -118,26 +113,17 @@ class Server(QObject):
             ),
         )
 
-    def _on_loading(self, message: UInt8) -> None:
-        self._emit(self.loading_changed, message.data)
-
-    def _on_models(self, message: ModelList) -> None:
-        self._emit(self.models_changed, models_of(message))
-
-    def _on_topics(self, _: DebugTopicList) -> None:
-        self._poll_now.set()  # models have come or gone, perhaps with their scans
-
     def _poll(self) -> None:
         """Polls the master, which does not notify of new topics."""
         master = rosgraph.Master(rospy.get_name())
-        while not self._is_closed:
+        while not self.signalsBlocked():
             self._poll_now.clear()
             # Without a master, the window shows that there is no server.
             with suppress(OSError, xmlrpc.client.Error, rosgraph.MasterException):
                 graph = _graph_of(master)
                 if graph != self._graph:
                     self._graph = graph
-                    self._emit(self.graph_changed, graph)
+                    self.graph_changed.emit(graph)
             self._poll_now.wait(_POLL_PERIOD)
             time.sleep(0.1)  # several models that are spawned together cause one poll
 

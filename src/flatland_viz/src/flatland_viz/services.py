@@ -47,12 +47,11 @@ class Services(QObject):
 
     def __init__(self) -> None:
         super().__init__()
-        self._is_closed = False
         self._succeeded.connect(lambda then: then())
 
     def close(self) -> None:
         """No signal is emitted after this."""
-        self._is_closed = True
+        self.blockSignals(True)
 
     def toggle_pause(self) -> None:
         """Stops simulated time, or resumes it."""
@@ -154,9 +153,9 @@ class Services(QObject):
 
         def fail(error: str) -> None:
             if refused:
-                self._emit(self.refused, refused, error)
+                self.refused.emit(refused, error)
             else:
-                self._emit(self.failed, f"{name}: {error}")
+                self.failed.emit(f"{name}: {error}")
 
         def call() -> None:
             try:
@@ -168,12 +167,8 @@ class Services(QObject):
                 fail(error_text(response.message))
                 return
             if then is not None:
-                self._emit(self._succeeded, then)
+                self._succeeded.emit(then)
             if done:
-                self._emit(self.done, done(response) if callable(done) else done)
+                self.done.emit(done(response) if callable(done) else done)
 
         threading.Thread(target=call, name=name, daemon=True).start()
-
-    def _emit(self, signal: Any, *values: Any) -> None:
-        if not self._is_closed:
-            signal.emit(*values)

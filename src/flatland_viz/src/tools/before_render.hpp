@@ -6,10 +6,6 @@
 
 #include <functional>
 
-namespace Ogre {
-class Viewport;
-}
-
 namespace rviz {
 class DisplayContext;
 }

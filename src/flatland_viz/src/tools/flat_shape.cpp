@@ -2,12 +2,10 @@
 
 #include <OgreManualObject.h>
 #include <OgreMaterialManager.h>
-#include <OgrePass.h>
 #include <OgreRenderQueue.h>
 #include <OgreResourceGroupManager.h>
 #include <OgreSceneManager.h>
 #include <OgreSceneNode.h>
-#include <OgreTechnique.h>
 
 #include <cmath>
 
@@ -15,23 +13,6 @@ namespace flatland_viz {
 namespace {
 
 constexpr int kSides = 72;  // of a circle
-
-const std::string& Material() {
-  static const std::string name = "flatland_viz/flat_shape";
-  if (Ogre::MaterialManager::getSingleton().resourceExists(
-          name, Ogre::ResourceGroupManager::DEFAULT_RESOURCE_GROUP_NAME)) {
-    return name;
-  }
-  const Ogre::MaterialPtr material = Ogre::MaterialManager::getSingleton().create(
-      name, Ogre::ResourceGroupManager::DEFAULT_RESOURCE_GROUP_NAME);
-  Ogre::Pass& pass = *material->getTechnique(0)->getPass(0);
-  pass.setLightingEnabled(false);
-  pass.setDepthCheckEnabled(false);
-  pass.setDepthWriteEnabled(false);
-  pass.setCullingMode(Ogre::CULL_NONE);
-  pass.setSceneBlending(Ogre::SBT_TRANSPARENT_ALPHA);
-  return name;
-}
 
 Ogre::ColourValue Colour(const QColor& color) {
   return Ogre::ColourValue(static_cast<float>(color.redF()), static_cast<float>(color.greenF()),
@@ -46,27 +27,35 @@ Ogre::Vector2 OnCircle(int side, double radius) {
 
 }  // namespace
 
-void DrawOnTop(Ogre::ManualObject& object, int layer) {
-  object.setRenderQueueGroup(static_cast<Ogre::uint8>(Ogre::RENDER_QUEUE_9 + 1 + layer));
-  object.setCastShadows(false);
-  object.setDynamic(true);
-}
-
-FlatShape::FlatShape(Ogre::SceneManager& scene, Ogre::SceneNode& parent, int layer)
-    : scene_(scene), node_(parent.createChildSceneNode()), object_(scene.createManualObject()) {
-  DrawOnTop(*object_, layer);
+Overlay::Overlay(Ogre::SceneManager& scene, Ogre::SceneNode& parent, int layer)
+    : object_(scene.createManualObject()), scene_(scene), node_(parent.createChildSceneNode()) {
+  object_->setRenderQueueGroup(static_cast<Ogre::uint8>(Ogre::RENDER_QUEUE_9 + 1 + layer));
+  object_->setCastShadows(false);
+  object_->setDynamic(true);
   node_->attachObject(object_);
   node_->setVisible(false);
 }
 
-FlatShape::~FlatShape() {
+Overlay::~Overlay() {
   scene_.destroyManualObject(object_);
   scene_.destroySceneNode(node_);
 }
 
+Ogre::MaterialPtr Overlay::MakeMaterial(const std::string& name) {
+  const Ogre::MaterialPtr material = Ogre::MaterialManager::getSingleton().create(
+      name, Ogre::ResourceGroupManager::DEFAULT_RESOURCE_GROUP_NAME);
+  material->setLightingEnabled(false);
+  material->setDepthCheckEnabled(false);
+  material->setDepthWriteEnabled(false);
+  material->setCullingMode(Ogre::CULL_NONE);
+  material->setSceneBlending(Ogre::SBT_TRANSPARENT_ALPHA);
+  return material;
+}
+
 void FlatShape::Begin() {
   object_->clear();
-  object_->begin(Material(), Ogre::RenderOperation::OT_TRIANGLE_LIST);
+  static const std::string material = MakeMaterial("flatland_viz/flat_shape")->getName();
+  object_->begin(material, Ogre::RenderOperation::OT_TRIANGLE_LIST);
 }
 
 void FlatShape::AddTriangle(const Ogre::Vector2& a, const Ogre::Vector2& b, const Ogre::Vector2& c,
@@ -96,14 +85,14 @@ void FlatShape::AddRing(double radius, double width, const QColor& color) {
 
 void FlatShape::End() { object_->end(); }
 
-void FlatShape::Place(const Ogre::Vector3& position, const Ogre::Quaternion& orientation,
-                      double scale) {
+void Overlay::Place(const Ogre::Vector3& position, const Ogre::Quaternion& orientation,
+                    double scale) {
   node_->setPosition(position);
   node_->setOrientation(orientation);
   const float s = static_cast<float>(scale);
   node_->setScale(s, s, 1);
 }
 
-void FlatShape::SetVisible(bool is_visible) { node_->setVisible(is_visible); }
+void Overlay::SetVisible(bool is_visible) { node_->setVisible(is_visible); }
 
 }  // namespace flatland_viz

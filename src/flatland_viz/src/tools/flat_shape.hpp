@@ -2,28 +2,42 @@
 
 /// Coloured triangles in a plane, drawn on top of the models.
 
-#include <OgreColourValue.h>
+#include <OgreMaterial.h>
 #include <OgreQuaternion.h>
 #include <OgreVector.h>
 
 #include <QColor>
-
-namespace Ogre {
-class ManualObject;
-class SceneManager;
-class SceneNode;
-}  // namespace Ogre
+#include <string>
 
 namespace flatland_viz {
 
-/// In its own frame: its pose and scale change without making new triangles.
-class FlatShape {
+/// Something flat that is drawn on top of the models, in its own frame: its pose and scale change
+/// without making new triangles. Hidden at first.
+class Overlay {
  public:
-  /// `layer`: shapes with a higher one are on top, from 0 to 3.
-  FlatShape(Ogre::SceneManager& scene, Ogre::SceneNode& parent, int layer);
-  ~FlatShape();
-  FlatShape(const FlatShape&) = delete;
-  FlatShape& operator=(const FlatShape&) = delete;
+  /// `layer`: those with a higher one are on top, from 0 to 3.
+  Overlay(Ogre::SceneManager& scene, Ogre::SceneNode& parent, int layer);
+  ~Overlay();
+  Overlay(const Overlay&) = delete;
+  Overlay& operator=(const Overlay&) = delete;
+
+  void Place(const Ogre::Vector3& position, const Ogre::Quaternion& orientation, double scale);
+  void SetVisible(bool is_visible);
+
+ protected:
+  /// A material that no light and nothing in front changes.
+  static Ogre::MaterialPtr MakeMaterial(const std::string& name);
+
+  Ogre::ManualObject* object_;
+
+ private:
+  Ogre::SceneManager& scene_;
+  Ogre::SceneNode* node_;
+};
+
+class FlatShape : public Overlay {
+ public:
+  using Overlay::Overlay;
 
   /// Removes all triangles, before others are added.
   void Begin();
@@ -32,17 +46,6 @@ class FlatShape {
   void AddDisc(const Ogre::Vector2& center, double radius, const QColor& color);
   void AddRing(double radius, double width, const QColor& color);
   void End();
-
-  void Place(const Ogre::Vector3& position, const Ogre::Quaternion& orientation, double scale);
-  void SetVisible(bool is_visible);
-
- private:
-  Ogre::SceneManager& scene_;
-  Ogre::SceneNode* node_;
-  Ogre::ManualObject* object_;
 };
-
-/// Sets up how an object is drawn: on top of the models, in one of the layers 0 to 3.
-void DrawOnTop(Ogre::ManualObject& object, int layer);
 
 }  // namespace flatland_viz

@@ -3,6 +3,7 @@
 #include <geometry_msgs/TransformStamped.h>
 #include <ros/node_handle.h>
 #include <tf2/exceptions.h>
+#include <tf2/utils.h>
 #include <tf2_ros/buffer.h>
 
 #include <algorithm>
@@ -17,33 +18,20 @@ namespace {
 const ros::Duration kHistory(2.0);  // of simulated time; transforms are not older
 constexpr int kMaxDepth = 100;      // of transforms; a longer chain is a loop
 
-double Wrapped(double angle) { return std::remainder(angle, 2 * M_PI); }
-
 geometry_msgs::Pose2D Between(const geometry_msgs::Pose2D& a, const geometry_msgs::Pose2D& b,
                               double part) {
-  geometry_msgs::Pose2D result;
-  result.x = a.x + part * (b.x - a.x);
-  result.y = a.y + part * (b.y - a.y);
-  result.theta = a.theta + part * Wrapped(b.theta - a.theta);
-  return result;
+  return MakePose(a.x + part * (b.x - a.x), a.y + part * (b.y - a.y),
+                  a.theta + part * std::remainder(b.theta - a.theta, 2 * M_PI));
 }
 
 geometry_msgs::Pose2D Inverse(const geometry_msgs::Pose2D& pose) {
-  geometry_msgs::Pose2D result;
   const double c = std::cos(pose.theta), s = std::sin(pose.theta);
-  result.x = -c * pose.x - s * pose.y;
-  result.y = s * pose.x - c * pose.y;
-  result.theta = -pose.theta;
-  return result;
+  return MakePose(-c * pose.x - s * pose.y, s * pose.x - c * pose.y, -pose.theta);
 }
 
 geometry_msgs::Pose2D Flat(const geometry_msgs::Transform& transform) {
-  const geometry_msgs::Quaternion& q = transform.rotation;
-  geometry_msgs::Pose2D pose;
-  pose.x = transform.translation.x;
-  pose.y = transform.translation.y;
-  pose.theta = std::atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z));
-  return pose;
+  return MakePose(transform.translation.x, transform.translation.y,
+                  tf2::getYaw(transform.rotation));
 }
 
 }  // namespace

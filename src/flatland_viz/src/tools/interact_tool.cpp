@@ -1,17 +1,27 @@
-#include "interact_tool.hpp"
+/// The default tool: looking around, selecting, dragging and turning models.
 
 #include <OgreViewport.h>
+#include <ros/time.h>
 #include <rviz/display_context.h>
 #include <rviz/load_resource.h>
 #include <rviz/render_panel.h>
+#include <rviz/tool.h>
 #include <rviz/view_controller.h>
 #include <rviz/view_manager.h>
 #include <rviz/viewport_mouse_event.h>
 
 #include <QCursor>
+#include <QLineF>
+#include <QPointF>
 #include <cmath>
+#include <memory>
+#include <optional>
+#include <pluginlib/class_list_macros.hpp>
+#include <string>
 
 #include "before_render.hpp"
+#include "model_drag.hpp"
+#include "model_handle.hpp"
 #include "screen_scale.hpp"
 #include "window_property.hpp"
 #include "world_models.hpp"
@@ -25,11 +35,71 @@ constexpr double kMinTarget = 10;  // pixels around a small model's middle that 
 constexpr double kRingReach = 6;   // pixels on either side of a ring
 const ros::WallDuration kStatePeriod(0.2);
 
-double Distance(const QPointF& a, const QPointF& b) {
-  return std::hypot(a.x() - b.x(), a.y() - b.y());
-}
+double Distance(const QPointF& a, const QPointF& b) { return QLineF(a, b).length(); }
 
 }  // namespace
+
+/// A click selects a model, a drag moves it, a drag of its ring turns it; all else goes to the
+/// view.
+///
+/// Its properties connect it with the window's panels: "Selected" is the name of the selected
+/// model, "State" its pose and velocity, "Dragged" the model that was dragged last, "Menu" that of
+/// which the user asks for the context menu. All but "Selected" are for reading.
+class InteractTool : public rviz::Tool {
+ public:
+  InteractTool();
+  ~InteractTool() override;
+
+  void activate() override {}
+  void deactivate() override;
+  int processMouseEvent(rviz::ViewportMouseEvent& event) override;
+  void update(float wall_dt, float ros_dt) override;
+
+ protected:
+  void onInitialize() override;
+
+ private:
+  enum class Part { kNone, kBody, kRing };
+  struct Hit {
+    Part part = Part::kNone;
+    std::string model;
+  };
+  struct Press {
+    Qt::MouseButton button;
+    QPointF pixel;  ///< in the panel
+    QPointF at;     ///< in the world [m]
+    Hit hit;
+  };
+
+  /// Finds the model or ring at a point of the world [m]. `pixel`: the size of one of Qt's pixels
+  /// there [m].
+  Hit FindHit(const QPointF& at, double pixel) const;
+  /// Notes the model that the mouse has reached or not left yet, with its ring.
+  void FollowHover(const Hit& hit, const QPointF& at, double pixel);
+  int Release(rviz::ViewportMouseEvent& event);
+  void BeginDrag();
+  void ContinueDrag(const QPointF& at);
+  void EndDrag();
+  void PassOn(rviz::ViewportMouseEvent& event);
+  void ShowHint(const Hit& hit);
+  void ShowHandles(const Ogre::Viewport& viewport, double pixel_ratio);
+  void TellState();
+
+  rviz::Property* selected_;
+  rviz::Property* state_;
+  rviz::Property* dragged_;
+  rviz::Property* menu_;
+
+  std::shared_ptr<WorldModels> models_;
+  std::unique_ptr<ModelHandle> hovered_handle_, selected_handle_;
+  std::unique_ptr<BeforeRender> before_render_;
+  ModelDrag drag_;
+  QPointF turn_middle_;  // of the model that is being turned, in the world [m]
+  std::optional<Press> press_;
+  bool is_panning_ = false;             // the view has the mouse until the button is released
+  rviz::RenderPanel* panel_ = nullptr;  // with the mouse; known after the first event
+  ros::WallTime told_at_;
+};
 
 InteractTool::InteractTool()
     : selected_(WindowProperty("Selected", getPropertyContainer())),
@@ -48,9 +118,7 @@ void InteractTool::onInitialize() {
   hovered_handle_ = std::make_unique<ModelHandle>(*scene_manager_);
   selected_handle_ = std::make_unique<ModelHandle>(*scene_manager_);
   before_render_ = std::make_unique<BeforeRender>(
-      *context_, [this](const Ogre::Viewport& viewport, double pixel_ratio) {
-        ShowHandles(viewport, pixel_ratio);
-      });
+      *context_, [this](const auto&... view) { ShowHandles(view...); });
   connect(models_.get(), &WorldModels::Selected, this, [this] {
     selected_->setValue(QString::fromStdString(models_->selected()));
     told_at_ = ros::WallTime();
@@ -72,17 +140,16 @@ void InteractTool::deactivate() {
 int InteractTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
   panel_ = event.panel;
   const auto world = WorldPlane::Find(*context_);
-  const auto point = world ? world->PointAt(event.viewport, event.x, event.y) : std::nullopt;
-  if (!point) {
+  const auto at = world ? world->PointAt(event.viewport, event.x, event.y) : std::nullopt;
+  if (!at) {
     PassOn(event);
     return 0;
   }
-  const QPointF at(point->x, point->y);
   if (drag_.is_active()) {
     if (event.leftUp()) {
       EndDrag();
     } else if (event.type == QEvent::MouseMove) {
-      ContinueDrag(at);
+      ContinueDrag(*at);
     }
     return Render;
   }
@@ -93,10 +160,10 @@ int InteractTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
   if (event.buttons_down == Qt::NoButton || !press_) {
     const double pixel =
         ScreenScale::At(world->PositionInScene({}, 0), *event.viewport).Metres(ratio);
-    const Hit hit = FindHit(at, pixel);
-    FollowHover(hit, at, pixel);
+    const Hit hit = FindHit(*at, pixel);
+    FollowHover(hit, *at, pixel);
     if (event.type == QEvent::MouseButtonPress) {
-      press_ = Press{event.acting_button, place, at, hit};
+      press_ = Press{event.acting_button, place, *at, hit};
       is_panning_ =
           hit.part == Part::kNone || event.control() || event.acting_button == Qt::MiddleButton;
     }
@@ -109,7 +176,7 @@ int InteractTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
   } else if (!is_panning_ && Distance(place, press_->pixel) > kClickReach * ratio) {
     if (press_->button == Qt::LeftButton) {
       BeginDrag();
-      ContinueDrag(at);
+      ContinueDrag(*at);
       return Render;
     }
     is_panning_ = true;  // the right button zooms wherever it is pressed
@@ -144,7 +211,7 @@ InteractTool::Hit InteractTool::FindHit(const QPointF& at, double pixel) const {
   for (const auto& [name, model] : models_->models()) {
     if (!model.is_placed()) continue;
     const bool is_near = Distance(at, model.middle_in_world()) <= kMinTarget * pixel;
-    if (!is_near && !model.Contains(at.x(), at.y())) continue;
+    if (!is_near && !model.Contains(at)) continue;
     const double radius = model.radius();
     if (hit.part == Part::kNone || radius < smallest) {
       hit = {Part::kBody, name};
@@ -253,3 +320,5 @@ void InteractTool::TellState() {
 }
 
 }  // namespace flatland_viz
+
+PLUGINLIB_EXPORT_CLASS(flatland_viz::InteractTool, rviz::Tool)

@@ -1,14 +1,21 @@
-#include "map_view.hpp"
+/// rviz's view from above, with the mouse of maps.
 
 #include <OgreViewport.h>
+#include <ros/time.h>
+#include <rviz/default_plugin/view_controllers/fixed_orientation_ortho_view_controller.h>
 #include <rviz/display_context.h>
 #include <rviz/properties/float_property.h>
 #include <rviz/properties/string_property.h>
 #include <rviz/render_panel.h>
 #include <rviz/viewport_mouse_event.h>
 
+#include <QPointF>
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
+#include <pluginlib/class_list_macros.hpp>
+#include <string>
 
 #include "world_models.hpp"
 #include "world_plane.hpp"
@@ -23,6 +30,32 @@ const ros::WallDuration kSettling(0.3);              // until the last state of 
 constexpr double kStillMiddle = 20;                  // pixels: nearer, a rotation is not defined
 
 }  // namespace
+
+/// A drag with the left or middle button pans, the wheel zooms at the cursor, and a drag with Ctrl
+/// rotates about the middle. It has the properties of rviz's TopDownOrtho, and "Follow", the name
+/// of a model that the view moves along with, except while the mouse drags it.
+class MapView : public rviz::FixedOrientationOrthoViewController {
+ public:
+  MapView();
+
+  void update(float dt, float ros_dt) override;
+  void handleMouseEvent(rviz::ViewportMouseEvent& event) override;
+
+ protected:
+  void onInitialize() override;
+
+ private:
+  void Pan(const QPointF& pixels);
+  void Zoom(double factor, const QPointF& from_middle);
+  void Rotate(const QPointF& before, const QPointF& now);
+  void Follow();
+
+  rviz::StringProperty* follow_;
+  std::shared_ptr<WorldModels> models_;
+  std::string followed_;                  // since the last update
+  std::optional<QPointF> followed_from_;  // where it was then, in the target frame [m]
+  ros::WallTime rests_until_;             // while the followed model is dragged, and a little after
+};
 
 MapView::MapView()
     : follow_(new rviz::StringProperty("Follow", "", "The model that the view moves along with.",
@@ -127,3 +160,5 @@ void MapView::Follow() {
 }
 
 }  // namespace flatland_viz
+
+PLUGINLIB_EXPORT_CLASS(flatland_viz::MapView, rviz::ViewController)

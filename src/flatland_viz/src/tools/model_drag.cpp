@@ -39,14 +39,9 @@ void ModelDrag::MoveTo(const QPointF& at) {
 
 void ModelDrag::TurnTo(const QPointF& at, const QPointF& middle) {
   const QPointF before = grip_ - middle, now = at - middle;
-  geometry_msgs::Pose2D turned;  // about the middle
-  turned.x = middle.x();
-  turned.y = middle.y();
-  turned.theta = std::atan2(now.y(), now.x()) - std::atan2(before.y(), before.x());
-  geometry_msgs::Pose2D from_middle = start_;
-  from_middle.x -= middle.x();
-  from_middle.y -= middle.y();
-  pose_ = Compose(turned, from_middle);
+  const double turn = std::atan2(now.y(), now.x()) - std::atan2(before.y(), before.x());
+  pose_ = Compose(MakePose(middle.x(), middle.y(), turn),
+                  MakePose(start_.x - middle.x(), start_.y - middle.y(), start_.theta));
   pose_.theta = std::remainder(pose_.theta, 2 * M_PI);
   Send(Feedback::POSE_UPDATE);
 }

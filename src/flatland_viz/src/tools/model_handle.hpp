@@ -2,16 +2,11 @@
 
 /// The ring around a model that is turned by mouse.
 
+#include <OgrePrerequisites.h>
 #include <geometry_msgs/Pose2D.h>
 
 #include <QColor>
 #include <memory>
-
-namespace Ogre {
-class SceneManager;
-class SceneNode;
-class Viewport;
-}  // namespace Ogre
 
 namespace flatland_viz {
 

@@ -2,18 +2,14 @@
 
 /// The names and headings of models on the map.
 
+#include <OgrePrerequisites.h>
+
 #include <QColor>
 #include <QRectF>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
-
-namespace Ogre {
-class SceneManager;
-class SceneNode;
-class Viewport;
-}  // namespace Ogre
 
 namespace flatland_viz {
 

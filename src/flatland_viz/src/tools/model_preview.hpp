@@ -10,10 +10,6 @@
 
 #include "world_plane.hpp"
 
-namespace Ogre {
-class SceneNode;
-}
-
 namespace rviz {
 class DisplayContext;
 class MarkerBase;

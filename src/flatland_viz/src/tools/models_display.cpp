@@ -1,15 +1,21 @@
-#include "models_display.hpp"
+/// rviz's display of the models' names and headings.
 
+#include <OgrePrerequisites.h>
 #include <OgreSceneNode.h>
 #include <OgreViewport.h>
+#include <ros/time.h>
+#include <rviz/display.h>
 #include <rviz/display_context.h>
 #include <rviz/display_group.h>
 #include <rviz/frame_manager.h>
 #include <rviz/properties/bool_property.h>
 #include <rviz/properties/color_property.h>
 
+#include <QColor>
 #include <QRectF>
 #include <QStringList>
+#include <memory>
+#include <pluginlib/class_list_macros.hpp>
 
 #include "before_render.hpp"
 #include "ground_truth_frames.hpp"
@@ -24,6 +30,44 @@ namespace {
 const ros::WallDuration kBoundsPeriod(0.2);
 
 }  // namespace
+
+/// Names the models, shows where robots look, and places robots by their ground truth where there
+/// is no localiser.
+class ModelsDisplay : public rviz::Display {
+ public:
+  ModelsDisplay();
+  ~ModelsDisplay() override;
+
+  void update(float wall_dt, float ros_dt) override;
+  void reset() override;
+
+ protected:
+  void onInitialize() override;
+  void onEnable() override;
+  void onDisable() override;
+
+ private:
+  void PlaceFrames();
+  void PlaceMarks(const Ogre::Viewport& viewport, double pixel_ratio);
+  void ListColors();
+  void FollowBounds();
+  QColor Background() const;
+
+  rviz::BoolProperty* labels_;
+  rviz::BoolProperty* headings_;
+  rviz::BoolProperty* places_frames_;
+  rviz::Property* colors_;         // of the robots, "#rrggbb" by name
+  rviz::Property* bounds_;         // around all models [m]; null while some are not placed
+  rviz::Property* placed_frames_;  // by ground truth, with commas between them
+
+  std::shared_ptr<WorldModels> models_;
+  std::unique_ptr<GroundTruthFrames> frames_;
+  std::unique_ptr<ModelMarks> marks_;
+  std::unique_ptr<BeforeRender> before_render_;
+  unsigned drawn_revision_ = 0;  // of the models
+  unsigned bounds_revision_ = 0;
+  ros::WallTime bounds_at_;
+};
 
 ModelsDisplay::ModelsDisplay()
     : labels_(new rviz::BoolProperty("Labels", true, "The names of the models.", this,
@@ -49,9 +93,7 @@ void ModelsDisplay::onInitialize() {
           [this](const flatland_msgs::ModelStates& states) { frames_->Add(states); });
   marks_ = std::make_unique<ModelMarks>(*scene_manager_, *scene_node_);
   before_render_ = std::make_unique<BeforeRender>(
-      *context_, [this](const Ogre::Viewport& viewport, double pixel_ratio) {
-        PlaceMarks(viewport, pixel_ratio);
-      });
+      *context_, [this](const auto&... view) { PlaceMarks(view...); });
   connect(models_.get(), &WorldModels::Listed, this, &ModelsDisplay::ListColors);
   connect(models_.get(), &WorldModels::Listed, this, [this] { bounds_->setValue(QRectF()); });
   ListColors();
@@ -124,3 +166,5 @@ void ModelsDisplay::PlaceFrames() {
 }
 
 }  // namespace flatland_viz
+
+PLUGINLIB_EXPORT_CLASS(flatland_viz::ModelsDisplay, rviz::Display)

@@ -4,8 +4,6 @@
 #include <OgreManualObject.h>
 #include <OgreMaterialManager.h>
 #include <OgrePass.h>
-#include <OgreSceneManager.h>
-#include <OgreSceneNode.h>
 #include <OgreTechnique.h>
 #include <OgreTextureManager.h>
 #include <OgreViewport.h>
@@ -17,7 +15,6 @@
 #include <cmath>
 #include <string>
 
-#include "flat_shape.hpp"
 #include "screen_scale.hpp"
 
 namespace flatland_viz {
@@ -36,28 +33,15 @@ std::string UniqueName() {
 }  // namespace
 
 NameLabel::NameLabel(Ogre::SceneManager& scene, Ogre::SceneNode& parent)
-    : scene_(scene),
-      node_(parent.createChildSceneNode()),
-      object_(scene.createManualObject()),
-      material_(Ogre::MaterialManager::getSingleton().create(
-          UniqueName(), Ogre::ResourceGroupManager::DEFAULT_RESOURCE_GROUP_NAME)) {
+    : Overlay(scene, parent, kLayer), material_(MakeMaterial(UniqueName())) {
   Ogre::Pass& pass = *material_->getTechnique(0)->getPass(0);
-  pass.setLightingEnabled(false);
-  pass.setDepthCheckEnabled(false);
-  pass.setDepthWriteEnabled(false);
-  pass.setCullingMode(Ogre::CULL_NONE);
   pass.setSceneBlending(Ogre::SBF_ONE, Ogre::SBF_ONE_MINUS_SOURCE_ALPHA);  // premultiplied
   Ogre::TextureUnitState& unit = *pass.createTextureUnitState();
   unit.setTextureFiltering(Ogre::TFO_NONE);
   unit.setTextureAddressingMode(Ogre::TextureUnitState::TAM_CLAMP);
-  DrawOnTop(*object_, kLayer);
-  node_->attachObject(object_);
-  node_->setVisible(false);
 }
 
 NameLabel::~NameLabel() {
-  scene_.destroyManualObject(object_);
-  scene_.destroySceneNode(node_);
   RemoveTexture();
   Ogre::MaterialManager::getSingleton().remove(material_);
 }
@@ -124,12 +108,7 @@ void NameLabel::Draw() {
 
 void NameLabel::Place(const Ogre::Vector3& position, const Ogre::Viewport& viewport) {
   const ScreenScale scale = ScreenScale::At(position, viewport);
-  node_->setPosition(OnPixels(position, viewport));
-  node_->setOrientation(scale.camera);
-  const float metres = scale.Metres(1.0);
-  node_->setScale(metres, metres, 1);
+  Overlay::Place(OnPixels(position, viewport), scale.camera, scale.Metres(1.0));
 }
-
-void NameLabel::SetVisible(bool is_visible) { node_->setVisible(is_visible); }
 
 }  // namespace flatland_viz

@@ -2,20 +2,12 @@
 
 /// A name on a plate of constant size on the screen.
 
-#include <OgreMaterial.h>
 #include <OgreTexture.h>
-#include <OgreVector.h>
 
-#include <QColor>
 #include <QSize>
 #include <QString>
 
-namespace Ogre {
-class ManualObject;
-class SceneManager;
-class SceneNode;
-class Viewport;
-}  // namespace Ogre
+#include "flat_shape.hpp"
 
 namespace flatland_viz {
 
@@ -30,12 +22,10 @@ struct LabelStyle {
   }
 };
 
-class NameLabel {
+class NameLabel : public Overlay {
  public:
   NameLabel(Ogre::SceneManager& scene, Ogre::SceneNode& parent);
   ~NameLabel();
-  NameLabel(const NameLabel&) = delete;
-  NameLabel& operator=(const NameLabel&) = delete;
 
   /// Draws the label again if it has changed.
   void Set(const QString& text, const LabelStyle& style);
@@ -43,15 +33,11 @@ class NameLabel {
   QSize size() const { return size_; }
   /// Puts its middle there.
   void Place(const Ogre::Vector3& position, const Ogre::Viewport& viewport);
-  void SetVisible(bool is_visible);
 
  private:
   void Draw();
   void RemoveTexture();
 
-  Ogre::SceneManager& scene_;
-  Ogre::SceneNode* node_;
-  Ogre::ManualObject* object_;
   Ogre::MaterialPtr material_;
   Ogre::TexturePtr texture_;
   QString text_;

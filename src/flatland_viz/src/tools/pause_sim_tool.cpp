@@ -10,6 +10,7 @@
 
 #include <QKeyEvent>
 #include <QScopedValueRollback>
+#include <pluginlib/class_list_macros.hpp>
 
 namespace flatland_viz {
 
@@ -82,3 +83,5 @@ void PauseSimTool::Show(bool is_paused) {
 }
 
 }  // namespace flatland_viz
+
+PLUGINLIB_EXPORT_CLASS(flatland_viz::PauseSimTool, rviz::Tool)

@@ -5,11 +5,6 @@
 #include <OgreQuaternion.h>
 #include <OgreVector.h>
 
-namespace Ogre {
-class Camera;
-class Viewport;
-}  // namespace Ogre
-
 namespace flatland_viz {
 
 /// The scale of a camera at a point of the scene, in device pixels.

@@ -1,22 +1,32 @@
-#include "spawn_model_tool.hpp"
+/// rviz's tool that spawns models by mouse.
 
 #include <flatland_msgs/GetModelMarkers.h>
 #include <flatland_msgs/SpawnModel.h>
+#include <geometry_msgs/Pose2D.h>
 #include <rviz/display_context.h>
 #include <rviz/render_panel.h>
+#include <rviz/tool.h>
 #include <rviz/tool_manager.h>
 #include <rviz/view_controller.h>
 #include <rviz/view_manager.h>
 #include <rviz/viewport_mouse_event.h>
 #include <rviz/window_manager_interface.h>
+#include <visualization_msgs/MarkerArray.h>
 
+#include <QPointer>
 #include <QRegularExpression>
 #include <cmath>
+#include <memory>
+#include <pluginlib/class_list_macros.hpp>
 
+#include "model_preview.hpp"
 #include "pause_sim_tool.hpp"
 #include "screen_scale.hpp"
+#include "service_caller.hpp"
+#include "spawn_dialog.hpp"
 #include "window_property.hpp"
 #include "world_models.hpp"
+#include "world_plane.hpp"
 
 namespace flatland_viz {
 namespace {
@@ -46,6 +56,43 @@ QString Failure(const QString& error, const Response& response) {
 }
 
 }  // namespace
+
+/// First the user chooses a model in a palette. A press of the left button sets its position, a
+/// drag its heading, and the server spawns it on release. If the server refuses, the menu opens
+/// again with the error, and OK tries again at the same place. A right click, Escape or another
+/// tool cancels all of it.
+class SpawnModelTool : public rviz::Tool {
+ public:
+  SpawnModelTool();
+  ~SpawnModelTool() override;
+
+  void activate() override;
+  void deactivate() override {}
+  int processMouseEvent(rviz::ViewportMouseEvent& event) override;
+
+ protected:
+  void onInitialize() override;
+
+ private:
+  enum class Phase { kOff, kMenu, kTranslation, kRotation, kSpawning };
+
+  void OpenMenu(const QString& error = {});
+  void AskForMarkers();
+  void StartPlacing(const visualization_msgs::MarkerArray& markers);
+  void Follow(const rviz::ViewportMouseEvent& event);
+  void Spawn();
+  void End();
+  void ShowHint();
+
+  rviz::Property* spawned_;  // the name of the last model; for the window
+  std::shared_ptr<WorldModels> models_;
+  ServiceCaller server_;
+  QPointer<SpawnDialog> dialog_;  // belongs to the window, if there is one
+  std::unique_ptr<ModelPreview> preview_;
+  Phase phase_ = Phase::kOff;
+  geometry_msgs::Pose2D pose_;  // of the model in the world
+  QString placed_file_;         // the model that the server has refused there; empty if none
+};
 
 SpawnModelTool::SpawnModelTool() : spawned_(WindowProperty("Spawned", getPropertyContainer())) {
   shortcut_key_ = 'a';
@@ -149,10 +196,10 @@ void SpawnModelTool::Follow(const rviz::ViewportMouseEvent& event) {
   const auto point = world->PointAt(event.viewport, event.x, event.y);
   if (!point) return;
   if (phase_ == Phase::kTranslation) {
-    pose_.x = point->x;
-    pose_.y = point->y;
+    pose_.x = point->x();
+    pose_.y = point->y();
   } else {
-    const double dx = point->x - pose_.x, dy = point->y - pose_.y;
+    const double dx = point->x() - pose_.x, dy = point->y() - pose_.y;
     const double scale =
         ScreenScale::At(world->PositionInScene(pose_, 0), *event.viewport).pixels_per_metre;
     const double least = kMinDistance * event.panel->devicePixelRatioF() / scale;
@@ -220,3 +267,5 @@ void SpawnModelTool::ShowHint() {
 }
 
 }  // namespace flatland_viz
+
+PLUGINLIB_EXPORT_CLASS(flatland_viz::SpawnModelTool, rviz::Tool)

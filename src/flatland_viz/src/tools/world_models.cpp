@@ -6,6 +6,7 @@
 #include <QDir>
 #include <QFileInfo>
 #include <QRegularExpression>
+#include <QTransform>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,6 +19,15 @@ namespace {
 const std::array<QColor, 6> kColors = {QColor(213, 94, 0),  QColor(0, 114, 178),
                                        QColor(0, 158, 115), QColor(204, 121, 167),
                                        QColor(230, 159, 0), QColor(86, 180, 233)};
+
+/// From the frame of a pose to that around it.
+QTransform TransformOf(const geometry_msgs::Pose2D& pose) {
+  return QTransform().translate(pose.x, pose.y).rotateRadians(pose.theta);
+}
+
+QRectF BoxOf(const flatland_msgs::BodyInfo& body) {
+  return {QPointF(body.min_x, body.min_y), QPointF(body.max_x, body.max_y)};
+}
 
 }  // namespace
 
@@ -41,39 +51,18 @@ QColor WorldModel::color() const {
   return kColors[static_cast<std::size_t>(color_index) % kColors.size()];
 }
 
-WorldModel::Box WorldModel::Extent() const {
-  Box box = {1e9, 1e9, -1e9, -1e9};
-  const double c = std::cos(state.pose.theta), s = std::sin(state.pose.theta);
+QRectF WorldModel::Extent() const {
+  QRectF box;
+  const QTransform into_model = TransformOf(state.pose).inverted();
   for (std::size_t i = 0; i < std::min(state.bodies.size(), info.bodies.size()); ++i) {
-    const flatland_msgs::BodyInfo& body = info.bodies[i];
-    for (const double x : {body.min_x, body.max_x}) {
-      for (const double y : {body.min_y, body.max_y}) {
-        geometry_msgs::Pose2D corner;
-        corner.x = x;
-        corner.y = y;
-        corner = Compose(state.bodies[i], corner);
-        const double dx = corner.x - state.pose.x, dy = corner.y - state.pose.y;
-        box.min_x = std::min(box.min_x, c * dx + s * dy);
-        box.max_x = std::max(box.max_x, c * dx + s * dy);
-        box.min_y = std::min(box.min_y, -s * dx + c * dy);
-        box.max_y = std::max(box.max_y, -s * dx + c * dy);
-      }
-    }
+    box |= (TransformOf(state.bodies[i]) * into_model).mapRect(BoxOf(info.bodies[i]));
   }
   return box;
 }
 
-QPointF WorldModel::middle() const {
-  const Box box = Extent();
-  return {(box.min_x + box.max_x) / 2, (box.min_y + box.max_y) / 2};
-}
-
 geometry_msgs::Pose2D WorldModel::MiddleAt(const geometry_msgs::Pose2D& pose) const {
-  const QPointF in_model = middle();
-  geometry_msgs::Pose2D inner;
-  inner.x = in_model.x();
-  inner.y = in_model.y();
-  return Compose(pose, inner);
+  const QPointF middle = Extent().center();
+  return Compose(pose, MakePose(middle.x(), middle.y()));
 }
 
 QPointF WorldModel::middle_in_world() const {
@@ -82,17 +71,14 @@ QPointF WorldModel::middle_in_world() const {
 }
 
 double WorldModel::radius() const {
-  const Box box = Extent();
-  return std::hypot(box.max_x - box.min_x, box.max_y - box.min_y) / 2;
+  const QRectF box = Extent();
+  return std::hypot(box.width(), box.height()) / 2;
 }
 
-bool WorldModel::Contains(double x, double y) const {
+bool WorldModel::Contains(const QPointF& point) const {
   for (std::size_t i = 0; i < std::min(state.bodies.size(), info.bodies.size()); ++i) {
-    const flatland_msgs::BodyInfo& body = info.bodies[i];
-    const double c = std::cos(state.bodies[i].theta), s = std::sin(state.bodies[i].theta);
-    const double dx = x - state.bodies[i].x, dy = y - state.bodies[i].y;
-    const double u = c * dx + s * dy, v = -s * dx + c * dy;
-    if (u >= body.min_x && u <= body.max_x && v >= body.min_y && v <= body.max_y) return true;
+    const QPointF in_body = TransformOf(state.bodies[i]).inverted().map(point);
+    if (BoxOf(info.bodies[i]).contains(in_body)) return true;
   }
   return false;
 }
@@ -201,14 +187,19 @@ void WorldModels::SetStates(const flatland_msgs::ModelStates& states) {
   Q_EMIT Moved(states);
 }
 
+geometry_msgs::Pose2D MakePose(double x, double y, double theta) {
+  geometry_msgs::Pose2D pose;
+  pose.x = x;
+  pose.y = y;
+  pose.theta = theta;
+  return pose;
+}
+
 geometry_msgs::Pose2D Compose(const geometry_msgs::Pose2D& pose,
                               const geometry_msgs::Pose2D& inner) {
-  geometry_msgs::Pose2D result;
   const double c = std::cos(pose.theta), s = std::sin(pose.theta);
-  result.x = pose.x + c * inner.x - s * inner.y;
-  result.y = pose.y + s * inner.x + c * inner.y;
-  result.theta = pose.theta + inner.theta;
-  return result;
+  return MakePose(pose.x + c * inner.x - s * inner.y, pose.y + s * inner.x + c * inner.y,
+                  pose.theta + inner.theta);
 }
 
 }  // namespace flatland_viz

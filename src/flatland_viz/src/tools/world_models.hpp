@@ -10,6 +10,7 @@
 #include <QColor>
 #include <QObject>
 #include <QPointF>
+#include <QRectF>
 #include <map>
 #include <memory>
 #include <string>
@@ -33,22 +34,18 @@ struct WorldModel {
   bool is_robot() const;
   /// Its accent colour.
   QColor color() const;
-  /// The middle of its bodies in its own frame, and the distance from there to the farthest corner
-  /// of their boxes [m].
-  QPointF middle() const;
+  /// The distance from the middle of its bodies to the farthest corner of their boxes [m].
   double radius() const;
-  /// The same middle in the world while the model's origin is at a pose, with its heading.
+  /// That middle in the world while the model's origin is at a pose, with its heading.
   geometry_msgs::Pose2D MiddleAt(const geometry_msgs::Pose2D& pose) const;
   /// The same, with the origin where it was last [m].
   QPointF middle_in_world() const;
   /// True if a point of the world [m] is within one of its bodies.
-  bool Contains(double x, double y) const;
+  bool Contains(const QPointF& point) const;
 
  private:
-  struct Box {
-    double min_x, min_y, max_x, max_y;
-  };
-  Box Extent() const;
+  /// The box around its bodies, in its own frame.
+  QRectF Extent() const;
 };
 
 /// Follows the models. All of it happens on the window's thread.
@@ -98,6 +95,8 @@ class WorldModels : public QObject {
   ros::Subscriber list_;
   ros::Subscriber states_;
 };
+
+geometry_msgs::Pose2D MakePose(double x, double y, double theta = 0);
 
 /// Composes poses: transforms `inner` out of the frame that `pose` describes.
 geometry_msgs::Pose2D Compose(const geometry_msgs::Pose2D& pose,

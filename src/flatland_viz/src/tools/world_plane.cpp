@@ -16,11 +16,12 @@ std::optional<WorldPlane> WorldPlane::Find(const rviz::DisplayContext& context) 
   return plane;
 }
 
-std::optional<Ogre::Vector3> WorldPlane::PointAt(Ogre::Viewport* viewport, int x, int y) const {
+std::optional<QPointF> WorldPlane::PointAt(Ogre::Viewport* viewport, int x, int y) const {
   Ogre::Plane floor(orientation_ * Ogre::Vector3::UNIT_Z, origin_);
   Ogre::Vector3 point;
   if (!rviz::getPointOnPlaneFromWindowXY(viewport, floor, x, y, point)) return std::nullopt;
-  return orientation_.Inverse() * (point - origin_);
+  const Ogre::Vector3 in_world = orientation_.Inverse() * (point - origin_);
+  return QPointF(in_world.x, in_world.y);
 }
 
 Ogre::Vector3 WorldPlane::PositionInScene(const geometry_msgs::Pose2D& pose, float height) const {

@@ -6,11 +6,8 @@
 #include <geometry_msgs/Pose2D.h>
 #include <rviz/ogre_helpers/ogre_vector.h>
 
+#include <QPointF>
 #include <optional>
-
-namespace Ogre {
-class Viewport;
-}
 
 namespace rviz {
 class DisplayContext;
@@ -26,9 +23,9 @@ class WorldPlane {
   /// The present pose of the world in the scene; nothing without a transform.
   static std::optional<WorldPlane> Find(const rviz::DisplayContext& context);
 
-  /// The point of the floor at a pixel of the window, in the world [m], with z = 0. Nothing above
-  /// the horizon.
-  std::optional<Ogre::Vector3> PointAt(Ogre::Viewport* viewport, int x, int y) const;
+  /// The point of the floor at a pixel of the window, in the world [m]. Nothing above the
+  /// horizon.
+  std::optional<QPointF> PointAt(Ogre::Viewport* viewport, int x, int y) const;
 
   /// Transforms from the world into the scene. `height` is above the floor [m].
   Ogre::Vector3 PositionInScene(const geometry_msgs::Pose2D& pose, float height) const;

@@ -1,43 +1,57 @@
-#include "bodies_display.hpp"
+/// An rviz display for the bodies of models.
 
-#include <OgreMaterialManager.h>
-#include <OgreSceneManager.h>
-#include <OgreSceneNode.h>
-#include <rviz/display_context.h>
-#include <rviz/frame_manager.h>
+#include <rviz/render_panel.h>
 #include <rviz/view_manager.h>
+#include <visualization_msgs/MarkerArray.h>
 
+#include <map>
+#include <memory>
 #include <pluginlib/class_list_macros.hpp>
+#include <string>
+#include <utility>
 #include <vector>
 
+#include "topic_display.hpp"
 #include "wall_lines.hpp"
 
 namespace flatland_viz {
 
 using visualization_msgs::Marker;
 
-struct BodiesDisplay::Body {
-  Body(const Marker& marker, Ogre::SceneNode* parent)
-      : marker(marker),
-        node(parent->createChildSceneNode()),
-        material(MakeLineMaterial(
-            Ogre::ColourValue(marker.color.r, marker.color.g, marker.color.b, marker.color.a))) {
+/// Shows lines and triangles of a MarkerArray. rviz's own display makes a marker anew at each
+/// message; here a marker that only moves keeps its buffer. Bodies stay when simulated time goes
+/// back: the server replaces all of them by one message.
+class BodiesDisplay : public TopicDisplay {
+ public:
+  BodiesDisplay();
+  ~BodiesDisplay() override;
+
+  void update(float wall_dt, float ros_dt) override;
+
+ protected:
+  ros::Subscriber Subscribe(const std::string& topic) override;
+  void Clear() override { bodies_.clear(); }
+
+ private:
+  struct Body;
+
+  void Show(const visualization_msgs::MarkerArray::ConstPtr& message);
+
+  std::string frame_;
+  std::map<std::pair<std::string, int>, std::unique_ptr<Body>> bodies_;  // by namespace and number
+};
+
+struct BodiesDisplay::Body : LineGroup {
+  Body(const Marker& marker, Ogre::SceneNode& parent)
+      : LineGroup(marker.color, parent), marker(marker) {
     std::vector<float> points;
     for (const geometry_msgs::Point& point : marker.points) {
       points.push_back(static_cast<float>(point.x));
       points.push_back(static_cast<float>(point.y));
     }
     const bool are_lines = marker.type == Marker::LINE_LIST;
-    lines = std::make_unique<WallLines>(
-        points.data(), marker.points.size(), material,
+    Add(points.data(), marker.points.size(),
         are_lines ? Ogre::RenderOperation::OT_LINE_LIST : Ogre::RenderOperation::OT_TRIANGLE_LIST);
-    node->attachObject(lines.get());
-  }
-
-  ~Body() {
-    lines.reset();
-    node->getCreator()->destroySceneNode(node);
-    Ogre::MaterialManager::getSingleton().remove(material);
   }
 
   bool LooksLike(const Marker& other) const {
@@ -54,9 +68,6 @@ struct BodiesDisplay::Body {
   }
 
   Marker marker;  // as it was when the lines were made
-  Ogre::SceneNode* node;
-  Ogre::MaterialPtr material;
-  std::unique_ptr<WallLines> lines;
 };
 
 BodiesDisplay::BodiesDisplay()
@@ -77,7 +88,7 @@ void BodiesDisplay::Show(const visualization_msgs::MarkerArray::ConstPtr& messag
     const auto key = std::make_pair(marker.ns, marker.id);
     std::unique_ptr<Body>& body = bodies_[key];
     if (former.count(key) > 0) body = std::move(former[key]);
-    if (!body || !body->LooksLike(marker)) body = std::make_unique<Body>(marker, getSceneNode());
+    if (!body || !body->LooksLike(marker)) body = std::make_unique<Body>(marker, *getSceneNode());
     body->Place(marker.pose);
     frame_ = marker.header.frame_id;
   }
@@ -85,13 +96,7 @@ void BodiesDisplay::Show(const visualization_msgs::MarkerArray::ConstPtr& messag
 
 void BodiesDisplay::update(float, float) {
   if (bodies_.empty()) return;
-  Ogre::Vector3 position = Ogre::Vector3::ZERO;
-  Ogre::Quaternion orientation = Ogre::Quaternion::IDENTITY;
-  const bool is_known =
-      context_->getFrameManager()->getTransform(frame_, ros::Time(), position, orientation);
-  getSceneNode()->setVisible(is_known);
-  getSceneNode()->setPosition(position);
-  getSceneNode()->setOrientation(orientation);
+  Place(frame_);
   const rviz::RenderPanel& panel = *context_->getViewManager()->getRenderPanel();
   for (const auto& [key, body] : bodies_) {
     SetLineWidth(*body->material, LineWidth(panel, static_cast<float>(body->marker.scale.x)));

@@ -1,14 +1,19 @@
-#include "scan_display.hpp"
+/// An rviz display for laser scans.
 
+#include <OgreMaterial.h>
 #include <OgreMaterialManager.h>
 #include <OgreSceneNode.h>
+#include <rviz/message_filter_display.h>
 #include <rviz/properties/color_property.h>
 #include <rviz/render_panel.h>
 #include <rviz/view_manager.h>
+#include <sensor_msgs/LaserScan.h>
 
 #include <cmath>
+#include <memory>
 #include <pluginlib/class_list_macros.hpp>
 #include <utility>
+#include <vector>
 
 #include "wall_lines.hpp"
 
@@ -19,6 +24,26 @@ constexpr double kPointSize = 3.0;  // px
 constexpr float kHeight = 0.005f;   // m above the lidar: over walls, below bodies
 
 }  // namespace
+
+/// Shows the last scan as points in one colour, at a fraction of the cost of rviz's display, which
+/// makes a cloud of each scan. The scan stays when simulated time goes back, until the next one.
+class ScanDisplay : public rviz::MessageFilterDisplay<sensor_msgs::LaserScan> {
+ public:
+  ScanDisplay();
+  ~ScanDisplay() override;
+
+  void update(float wall_dt, float ros_dt) override;
+
+ protected:
+  void onInitialize() override;
+  void onDisable() override;
+  void processMessage(const sensor_msgs::LaserScan::ConstPtr& scan) override;
+
+ private:
+  rviz::ColorProperty* color_;
+  Ogre::MaterialPtr material_;
+  std::unique_ptr<WallLines> points_;
+};
 
 ScanDisplay::ScanDisplay()
     : color_(new rviz::ColorProperty("Color", QColor(213, 94, 0), "Colour of the points.", this)) {}

@@ -14,8 +14,9 @@
 #include <OgreViewport.h>
 #include <rviz/ogre_helpers/movable_text.h>
 
-#include <cstring>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 namespace flatland_viz {
@@ -23,7 +24,7 @@ namespace {
 
 constexpr std::size_t kSamples = 256;  // elements of an object with lines that are read, at most
 
-/// A running hash (a word at a time: xor, multiply by a large odd number, mix high bits into low).
+/// A running hash: of each value xor, multiply by a large odd number, mix high bits into low.
 class Hash {
  public:
   template <typename T>
@@ -32,11 +33,7 @@ class Hash {
     AddBytes(&value, sizeof value);
   }
 
-  void Add(const std::string& text) {
-    Add(text.size());
-    AddBytes(text.data(), text.size());
-  }
-
+  void Add(const std::string& text) { AddBytes(text.data(), text.size()); }
   void Add(const Ogre::Vector3& v) { AddBytes(v.ptr(), 3 * sizeof(Ogre::Real)); }
   void Add(const Ogre::ColourValue& c) { AddBytes(c.ptr(), 4 * sizeof(float)); }
   void Add(const Ogre::Affine3& m) { AddBytes(m[0], 12 * sizeof(Ogre::Real)); }
@@ -52,16 +49,9 @@ class Hash {
 
  private:
   void AddBytes(const void* data, std::size_t size) {
-    const char* bytes = static_cast<const char*>(data);
-    for (; size > 0;) {
-      std::uint64_t word = 0;
-      const std::size_t length = size < sizeof word ? size : sizeof word;
-      std::memcpy(&word, bytes, length);
-      value_ = (value_ ^ word) * 0x9E3779B97F4A7C15u;
-      value_ ^= value_ >> 29;
-      bytes += length;
-      size -= length;
-    }
+    const std::string_view bytes(static_cast<const char*>(data), size);
+    value_ = (value_ ^ std::hash<std::string_view>()(bytes)) * 0x9E3779B97F4A7C15u;
+    value_ ^= value_ >> 29;
   }
 
   std::uint64_t value_ = 0xCBF29CE484222325u;

@@ -2,11 +2,9 @@
 
 /// A number that changes when a picture of the scene would.
 
-#include <cstdint>
+#include <OgrePrerequisites.h>
 
-namespace Ogre {
-class RenderWindow;
-}
+#include <cstdint>
 
 namespace flatland_viz {
 

@@ -3,9 +3,10 @@
 #include <OgreCamera.h>
 #include <OgreHardwareBufferManager.h>
 #include <OgreMaterialManager.h>
-#include <OgreNode.h>
 #include <OgrePass.h>
 #include <OgreResourceGroupManager.h>
+#include <OgreSceneManager.h>
+#include <OgreSceneNode.h>
 #include <OgreTechnique.h>
 #include <OgreViewport.h>
 #include <rviz/render_panel.h>
@@ -79,6 +80,23 @@ Ogre::MaterialPtr MakeLineMaterial(const Ogre::ColourValue& color) {
     material->setDepthWriteEnabled(false);
   }
   return material;
+}
+
+LineGroup::LineGroup(const std_msgs::ColorRGBA& color, Ogre::SceneNode& parent)
+    : color(color.r, color.g, color.b, color.a),
+      node(parent.createChildSceneNode()),
+      material(MakeLineMaterial(this->color)) {}
+
+LineGroup::~LineGroup() {
+  lines.clear();
+  node->getCreator()->destroySceneNode(node);
+  Ogre::MaterialManager::getSingleton().remove(material);
+}
+
+void LineGroup::Add(const float* points, std::size_t count,
+                    Ogre::RenderOperation::OperationType kind) {
+  lines.push_back(std::make_unique<WallLines>(points, count, material, kind));
+  node->attachObject(lines.back().get());
 }
 
 void SetLineColor(Ogre::Material& material, const Ogre::ColourValue& color) {

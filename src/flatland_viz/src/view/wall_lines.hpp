@@ -4,8 +4,11 @@
 
 #include <OgreMaterial.h>
 #include <OgreSimpleRenderable.h>
+#include <std_msgs/ColorRGBA.h>
 
 #include <cstddef>
+#include <memory>
+#include <vector>
 
 namespace rviz {
 class RenderPanel;
@@ -39,6 +42,21 @@ Ogre::MaterialPtr MakeLineMaterial(const Ogre::ColourValue& color);
 
 /// Sets the colour of all lines with such a material, but not how transparent they are.
 void SetLineColor(Ogre::Material& material, const Ogre::ColourValue& color);
+
+/// Lines and triangles of one colour, with a node of their own.
+struct LineGroup {
+  LineGroup(const std_msgs::ColorRGBA& color, Ogre::SceneNode& parent);
+  ~LineGroup();
+  LineGroup(const LineGroup&) = delete;
+  LineGroup& operator=(const LineGroup&) = delete;
+
+  void Add(const float* points, std::size_t count, Ogre::RenderOperation::OperationType kind);
+
+  Ogre::ColourValue color;
+  Ogre::SceneNode* node;
+  Ogre::MaterialPtr material;
+  std::vector<std::unique_ptr<WallLines>> lines;
+};
 
 /// The width of lines in a view [px]: so many metres, but at least a pixel, and never huge.
 float LineWidth(const rviz::RenderPanel& panel, float width);

@@ -1,21 +1,24 @@
-#include "walls_display.hpp"
+/// An rviz display for walls: millions of lines that hardly ever change.
 
-#include <OgreMaterialManager.h>
-#include <OgreSceneManager.h>
-#include <OgreSceneNode.h>
+#include <OgreMaterial.h>
 #include <OgreViewport.h>
-#include <rviz/display_context.h>
-#include <rviz/frame_manager.h>
+#include <flatland_msgs/Walls.h>
 #include <rviz/render_panel.h>
 #include <rviz/view_manager.h>
 
 #include <QRectF>
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <mutex>
+#include <optional>
 #include <pluginlib/class_list_macros.hpp>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "../tools/window_property.hpp"
+#include "topic_display.hpp"
 #include "wall_fill.hpp"
 #include "wall_lines.hpp"
 
@@ -86,27 +89,52 @@ Ogre::ColourValue ColorOn(const Ogre::ColourValue& background, const Ogre::Colou
 
 }  // namespace
 
-struct WallsDisplay::Layer {
-  Layer(const std_msgs::ColorRGBA& color, Ogre::SceneNode* parent)
-      : color(color.r, color.g, color.b, color.a),
-        node(parent->createChildSceneNode()),
-        material(MakeLineMaterial(this->color)) {}
+/// Shows the walls of all layers, from a topic with flatland_msgs/Walls.
+///
+/// A line is 5 cm wide, but at least a pixel, so that it is visible from afar. The outlines of a
+/// map image are filled. Messages are received on rviz's second thread, and put into buffers in
+/// portions: the view stays usable meanwhile.
+///
+/// Walls stay when simulated time goes back, as they do not depend on it.
+class WallsDisplay : public TopicDisplay {
+ public:
+  WallsDisplay();
+  ~WallsDisplay() override;
 
-  ~Layer() {
-    lines.clear();
-    node->getCreator()->destroySceneNode(node);
-    Ogre::MaterialManager::getSingleton().remove(material);
-  }
+  void update(float wall_dt, float ros_dt) override;
 
-  void Add(const float* points, std::size_t count, Ogre::RenderOperation::OperationType kind) {
-    lines.push_back(std::make_unique<WallLines>(points, count, material, kind));
-    node->attachObject(lines.back().get());
-  }
+ protected:
+  ros::Subscriber Subscribe(const std::string& topic) override;
+  void Clear() override;
 
-  Ogre::ColourValue color;  // in the world's file
-  Ogre::SceneNode* node;
-  Ogre::MaterialPtr material;
-  std::vector<std::unique_ptr<WallLines>> lines;
+ private:
+  /// The walls of a layer that are shown.
+  struct Layer;
+
+  void Receive(const flatland_msgs::Walls::ConstPtr& message);
+  void BeginShowing();
+  void ShowMore();
+
+  rviz::Property* progress_;  // percent of the walls that are shown
+  rviz::Property* bounds_;    // of the walls [m]; null without walls
+  std::mutex mutex_;
+  /// A message, and for each of its layers the corners of triangles within its outlines, and the
+  /// ends of those lines that are drawn; none: all.
+  struct Filled {
+    flatland_msgs::Walls::ConstPtr walls;
+    std::vector<std::vector<float>> fills, lines;
+  };
+  std::optional<Filled> received_;  // guarded by mutex_
+  std::optional<Filled> showing_;   // until all of it is in layers_
+  std::size_t next_layer_ = 0;      // of showing_
+  std::size_t next_number_ = 0;     // of that layer's lines
+  std::string frame_;               // of the walls
+  std::vector<std::unique_ptr<Layer>> layers_;
+};
+
+struct WallsDisplay::Layer : LineGroup {
+  using LineGroup::LineGroup;
+
   float width = kWidth;  // m
 };
 
@@ -151,16 +179,23 @@ void WallsDisplay::update(float, float) {
   }
   if (is_new) BeginShowing();
   if (showing_) ShowMore();
-  if (!layers_.empty()) Place();
+  if (layers_.empty()) return;
+  Place(frame_);
+  const rviz::RenderPanel& panel = *context_->getViewManager()->getRenderPanel();
+  const Ogre::ColourValue background = panel.getViewport()->getBackgroundColour();
+  for (const auto& layer : layers_) {
+    SetLineWidth(*layer->material, LineWidth(panel, layer->width));
+    SetLineColor(*layer->material, ColorOn(background, layer->color));
+  }
 }
 
 void WallsDisplay::BeginShowing() {
   layers_.clear();
   const flatland_msgs::Walls::ConstPtr& message = showing_->walls;
   next_layer_ = next_number_ = 0;
-  frame_ = QString::fromStdString(message->header.frame_id);
+  frame_ = message->header.frame_id;
   for (const flatland_msgs::LayerWalls& walls : message->layers) {
-    layers_.push_back(std::make_unique<Layer>(walls.color, getSceneNode()));
+    layers_.push_back(std::make_unique<Layer>(walls.color, *getSceneNode()));
     Layer& layer = *layers_.back();
     const std::vector<float>& fill = showing_->fills[layers_.size() - 1];
     if (!fill.empty()) layer.width = 0.0f;
@@ -194,30 +229,6 @@ void WallsDisplay::ShowMore() {
   }
   showing_.reset();
   progress_->setValue(100);
-}
-
-/// Moves the walls to the present pose of their frame, and sets their width in pixels and colour.
-void WallsDisplay::Place() {
-  Ogre::Vector3 position = Ogre::Vector3::ZERO;
-  Ogre::Quaternion orientation = Ogre::Quaternion::IDENTITY;
-  const bool is_known =
-      frame_ == fixed_frame_ || context_->getFrameManager()->getTransform(
-                                    frame_.toStdString(), ros::Time(), position, orientation);
-  if (is_known) {
-    setStatus(rviz::StatusProperty::Ok, "Transform", "OK");
-  } else {
-    setStatus(rviz::StatusProperty::Error, "Transform",
-              QString("no transform from %1 to %2").arg(frame_, fixed_frame_));
-  }
-  const rviz::RenderPanel& panel = *context_->getViewManager()->getRenderPanel();
-  const Ogre::ColourValue background = panel.getViewport()->getBackgroundColour();
-  getSceneNode()->setPosition(position);
-  getSceneNode()->setOrientation(orientation);
-  for (const auto& layer : layers_) {
-    layer->node->setVisible(is_known);
-    SetLineWidth(*layer->material, LineWidth(panel, layer->width));
-    SetLineColor(*layer->material, ColorOn(background, layer->color));
-  }
 }
 
 }  // namespace flatland_viz

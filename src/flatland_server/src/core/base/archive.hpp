@@ -5,7 +5,7 @@
 /// One function lists the fields of an object for both directions: `archive(a, b, c)` appends them
 /// to the bytes of a Writer, or sets them to the next bytes of a Reader. An object with a member
 /// function template `Serialize(archive)` is a field like others. Numbers are stored as they are in
-/// memory, so that they come back bit for bit.
+/// memory, so that they come back bit for bit; of a vector first the number of its elements.
 
 #include <box2d/box2d.h>
 
@@ -16,10 +16,16 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "base/geometry.hpp"
 
 namespace flatland {
+
+template <class Value>
+struct IsVector : std::false_type {};
+template <class Item>
+struct IsVector<std::vector<Item>> : std::true_type {};
 
 /// Splits objects into numbers, which `Derived::Number` writes or reads.
 template <class Derived>
@@ -43,6 +49,14 @@ class Archive {
       (*this)(value.x, value.y, value.yaw);
     } else if constexpr (std::is_same_v<Value, Twist>) {
       (*this)(value.vx, value.vy, value.omega);
+    } else if constexpr (IsVector<Value>::value) {
+      auto count = static_cast<uint32_t>(value.size());
+      Field(count);
+      if constexpr (Derived::kIsReader) {
+        if (count > self().remaining() / sizeof(uint32_t)) Derived::Fail();
+        value.assign(count, {});
+      }
+      for (auto& each : value) Field(each);
     } else {
       value.Serialize(self());
     }

@@ -50,185 +50,104 @@ struct FrictionInternals : b2FrictionJoint {
   }
 };
 
-/// Defines Member(Tag()), the pointer to a private member.
-template <class Tag, typename Tag::Pointer member>
+/// Defines what Member(Name*) returns: the pointer to a private member.
+template <class Name, auto member>
 struct DefineMember {
-  friend constexpr typename Tag::Pointer Member(Tag) { return member; }
+  friend constexpr auto Member(Name*) { return member; }
 };
+template <class Name>
+constexpr auto kMember = Member(static_cast<Name*>(nullptr));
 
-struct BodyForce {
-  using Pointer = b2Vec2 b2Body::*;
-  friend constexpr Pointer Member(BodyForce);
-};
+constexpr auto Member(struct BodyForce*);
 template struct DefineMember<BodyForce, &b2Body::m_force>;
-
-struct BodyTorque {
-  using Pointer = float b2Body::*;
-  friend constexpr Pointer Member(BodyTorque);
-};
+constexpr auto Member(struct BodyTorque*);
 template struct DefineMember<BodyTorque, &b2Body::m_torque>;
-
-struct BodySleepTime {
-  using Pointer = float b2Body::*;
-  friend constexpr Pointer Member(BodySleepTime);
-};
+constexpr auto Member(struct BodySleepTime*);
 template struct DefineMember<BodySleepTime, &b2Body::m_sleepTime>;
-
-struct BodySweep {
-  using Pointer = b2Sweep b2Body::*;
-  friend constexpr Pointer Member(BodySweep);
-};
+constexpr auto Member(struct BodySweep*);
 template struct DefineMember<BodySweep, &b2Body::m_sweep>;
-
-struct BodyTransform {
-  using Pointer = b2Transform b2Body::*;
-  friend constexpr Pointer Member(BodyTransform);
-};
+constexpr auto Member(struct BodyTransform*);
 template struct DefineMember<BodyTransform, &b2Body::m_xf>;
-
-struct BodyFixtures {
-  using Pointer = b2Fixture* b2Body::*;
-  friend constexpr Pointer Member(BodyFixtures);
-};
+constexpr auto Member(struct BodyFixtures*);
 template struct DefineMember<BodyFixtures, &b2Body::m_fixtureList>;
-
-struct BodyContacts {
-  using Pointer = b2ContactEdge* b2Body::*;
-  friend constexpr Pointer Member(BodyContacts);
-};
+constexpr auto Member(struct BodyContacts*);
 template struct DefineMember<BodyContacts, &b2Body::m_contactList>;
-
-struct WorldBodyList {
-  using Pointer = b2Body* b2World::*;
-  friend constexpr Pointer Member(WorldBodyList);
-};
+constexpr auto Member(struct WorldBodyList*);
 template struct DefineMember<WorldBodyList, &b2World::m_bodyList>;
-
-struct WorldBodyCount {
-  using Pointer = int32 b2World::*;
-  friend constexpr Pointer Member(WorldBodyCount);
-};
+constexpr auto Member(struct WorldBodyCount*);
 template struct DefineMember<WorldBodyCount, &b2World::m_bodyCount>;
-
-struct WorldInverseStep {
-  using Pointer = float b2World::*;
-  friend constexpr Pointer Member(WorldInverseStep);
-};
+constexpr auto Member(struct WorldInverseStep*);
 template struct DefineMember<WorldInverseStep, &b2World::m_inv_dt0>;
-
-struct WorldNewContacts {
-  using Pointer = bool b2World::*;
-  friend constexpr Pointer Member(WorldNewContacts);
-};
+constexpr auto Member(struct WorldNewContacts*);
 template struct DefineMember<WorldNewContacts, &b2World::m_newContacts>;
-
-struct WorldStepComplete {
-  using Pointer = bool b2World::*;
-  friend constexpr Pointer Member(WorldStepComplete);
-};
+constexpr auto Member(struct WorldStepComplete*);
 template struct DefineMember<WorldStepComplete, &b2World::m_stepComplete>;
-
-struct BroadPhaseTree {
-  using Pointer = b2DynamicTree b2BroadPhase::*;
-  friend constexpr Pointer Member(BroadPhaseTree);
-};
+constexpr auto Member(struct BroadPhaseTree*);
 template struct DefineMember<BroadPhaseTree, &b2BroadPhase::m_tree>;
-
-struct BroadPhaseMoves {
-  using Pointer = int32* b2BroadPhase::*;
-  friend constexpr Pointer Member(BroadPhaseMoves);
-};
+constexpr auto Member(struct BroadPhaseMoves*);
 template struct DefineMember<BroadPhaseMoves, &b2BroadPhase::m_moveBuffer>;
-
-struct BroadPhaseMoveCount {
-  using Pointer = int32 b2BroadPhase::*;
-  friend constexpr Pointer Member(BroadPhaseMoveCount);
-};
+constexpr auto Member(struct BroadPhaseMoveCount*);
 template struct DefineMember<BroadPhaseMoveCount, &b2BroadPhase::m_moveCount>;
-
-struct BroadPhaseMoveCapacity {
-  using Pointer = int32 b2BroadPhase::*;
-  friend constexpr Pointer Member(BroadPhaseMoveCapacity);
-};
+constexpr auto Member(struct BroadPhaseMoveCapacity*);
 template struct DefineMember<BroadPhaseMoveCapacity, &b2BroadPhase::m_moveCapacity>;
-
-struct TreeNodes {
-  using Pointer = b2TreeNode* b2DynamicTree::*;
-  friend constexpr Pointer Member(TreeNodes);
-};
+constexpr auto Member(struct TreeNodes*);
 template struct DefineMember<TreeNodes, &b2DynamicTree::m_nodes>;
-
-struct TreeNodeCapacity {
-  using Pointer = int32 b2DynamicTree::*;
-  friend constexpr Pointer Member(TreeNodeCapacity);
-};
+constexpr auto Member(struct TreeNodeCapacity*);
 template struct DefineMember<TreeNodeCapacity, &b2DynamicTree::m_nodeCapacity>;
-
-struct TreeRoot {
-  using Pointer = int32 b2DynamicTree::*;
-  friend constexpr Pointer Member(TreeRoot);
-};
+constexpr auto Member(struct TreeRoot*);
 template struct DefineMember<TreeRoot, &b2DynamicTree::m_root>;
-
-struct TreeNodeCount {
-  using Pointer = int32 b2DynamicTree::*;
-  friend constexpr Pointer Member(TreeNodeCount);
-};
+constexpr auto Member(struct TreeNodeCount*);
 template struct DefineMember<TreeNodeCount, &b2DynamicTree::m_nodeCount>;
-
-struct TreeFreeList {
-  using Pointer = int32 b2DynamicTree::*;
-  friend constexpr Pointer Member(TreeFreeList);
-};
+constexpr auto Member(struct TreeFreeList*);
 template struct DefineMember<TreeFreeList, &b2DynamicTree::m_freeList>;
 
-inline b2Vec2& Force(b2Body& body) { return body.*Member(BodyForce()); }
-inline float& Torque(b2Body& body) { return body.*Member(BodyTorque()); }
-inline float& SleepTime(b2Body& body) { return body.*Member(BodySleepTime()); }
-inline b2Sweep& Sweep(b2Body& body) { return body.*Member(BodySweep()); }
+inline b2Vec2& Force(b2Body& body) { return body.*kMember<BodyForce>; }
+inline float& Torque(b2Body& body) { return body.*kMember<BodyTorque>; }
+inline float& SleepTime(b2Body& body) { return body.*kMember<BodySleepTime>; }
+inline b2Sweep& Sweep(b2Body& body) { return body.*kMember<BodySweep>; }
 /// The pose of a body's origin. Computing it from the centre of mass may round differently.
-inline b2Transform& Transform(b2Body& body) { return body.*Member(BodyTransform()); }
+inline b2Transform& Transform(b2Body& body) { return body.*kMember<BodyTransform>; }
 /// The head of a body's list of fixtures. Box2D moves them in its order.
-inline b2Fixture*& Fixtures(b2Body& body) { return body.*Member(BodyFixtures()); }
+inline b2Fixture*& Fixtures(b2Body& body) { return body.*kMember<BodyFixtures>; }
 /// The head of a body's list of contacts.
-inline b2ContactEdge*& ContactList(b2Body& body) { return body.*Member(BodyContacts()); }
+inline b2ContactEdge*& ContactList(b2Body& body) { return body.*kMember<BodyContacts>; }
 /// The head of the list of bodies, the newest first, and their number.
-inline b2Body*& BodyList(b2World& world) { return world.*Member(WorldBodyList()); }
-inline int32& BodyCount(b2World& world) { return world.*Member(WorldBodyCount()); }
+inline b2Body*& BodyList(b2World& world) { return world.*kMember<WorldBodyList>; }
+inline int32& BodyCount(b2World& world) { return world.*kMember<WorldBodyCount>; }
 /// One over the length of the last step [1/s], 0 before the first.
-inline float& InverseStep(b2World& world) { return world.*Member(WorldInverseStep()); }
+inline float& InverseStep(b2World& world) { return world.*kMember<WorldInverseStep>; }
 /// True if bodies or fixtures, which may have new contacts, were moved since the last step.
-inline bool& NewContacts(b2World& world) { return world.*Member(WorldNewContacts()); }
+inline bool& NewContacts(b2World& world) { return world.*kMember<WorldNewContacts>; }
 /// False: the next step only continues to solve times of impact, as after a substep.
-inline bool& StepComplete(b2World& world) { return world.*Member(WorldStepComplete()); }
+inline bool& StepComplete(b2World& world) { return world.*kMember<WorldStepComplete>; }
 inline b2ContactManager& Contacts(b2World& world) {
   return const_cast<b2ContactManager&>(world.GetContactManager());
 }
 inline b2DynamicTree& Tree(b2BroadPhase& broad_phase) {
-  return broad_phase.*Member(BroadPhaseTree());
+  return broad_phase.*kMember<BroadPhaseTree>;
 }
 inline b2DynamicTree& Tree(b2World& world) { return Tree(Contacts(world).m_broadPhase); }
 /// The ids of the proxies that may have new contacts, and their number.
 inline int32*& Moves(b2World& world) {
-  return Contacts(world).m_broadPhase.*Member(BroadPhaseMoves());
+  return Contacts(world).m_broadPhase.*kMember<BroadPhaseMoves>;
 }
 inline int32& MoveCount(b2World& world) {
-  return Contacts(world).m_broadPhase.*Member(BroadPhaseMoveCount());
+  return Contacts(world).m_broadPhase.*kMember<BroadPhaseMoveCount>;
 }
 inline int32& MoveCapacity(b2World& world) {
-  return Contacts(world).m_broadPhase.*Member(BroadPhaseMoveCapacity());
+  return Contacts(world).m_broadPhase.*kMember<BroadPhaseMoveCapacity>;
 }
 /// The nodes of a tree; the index of a leaf is the id of its proxy.
-inline b2TreeNode*& Nodes(b2DynamicTree& tree) { return tree.*Member(TreeNodes()); }
+inline b2TreeNode*& Nodes(b2DynamicTree& tree) { return tree.*kMember<TreeNodes>; }
 inline b2TreeNode*& Nodes(b2World& world) { return Nodes(Tree(world)); }
-inline int32& Root(b2DynamicTree& tree) { return tree.*Member(TreeRoot()); }
+inline int32& Root(b2DynamicTree& tree) { return tree.*kMember<TreeRoot>; }
 inline int32& Root(b2World& world) { return Root(Tree(world)); }
-inline int32& NodeCapacity(b2World& world) { return Tree(world).*Member(TreeNodeCapacity()); }
+inline int32& NodeCapacity(b2World& world) { return Tree(world).*kMember<TreeNodeCapacity>; }
 /// Number of nodes in use.
-inline int32& NodeCount(b2DynamicTree& tree) { return tree.*Member(TreeNodeCount()); }
+inline int32& NodeCount(b2DynamicTree& tree) { return tree.*kMember<TreeNodeCount>; }
 inline int32& NodeCount(b2World& world) { return NodeCount(Tree(world)); }
 /// The first of the nodes that are not in use, each of which names the next one.
-inline int32& FreeList(b2World& world) { return Tree(world).*Member(TreeFreeList()); }
+inline int32& FreeList(b2World& world) { return Tree(world).*kMember<TreeFreeList>; }
 
 /// Lets the next step skip the search for contacts of fixtures that were added since the last step:
 /// those from `begin` on among the proxies that may have new contacts. They must be static, and so

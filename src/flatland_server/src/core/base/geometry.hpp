@@ -38,6 +38,7 @@ inline Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
 inline Vec2 operator*(double factor, Vec2 v) { return {factor * v.x, factor * v.y}; }
 inline double Dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
 inline double Cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
+inline double LengthOf(Vec2 v) { return std::sqrt(Dot(v, v)); }
 
 /// True if Box2D can compute with a number: finite, and small enough that its square is finite in
 /// single precision too.

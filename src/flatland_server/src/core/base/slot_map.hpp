@@ -27,6 +27,10 @@ template <class T>
 struct Handle {
   uint32_t index = 0;
   uint32_t generation = 0;
+
+  bool operator==(Handle other) const {
+    return index == other.index && generation == other.generation;
+  }
 };
 
 template <class T>

@@ -66,12 +66,8 @@ void SharedWorld::CollectRanges() {
     }
   });
   world_->mechanisms_.ForEachMap([this](auto& map) { AddRanges(map); });
-  world_->crowds_.ForEach([this](auto, Crowd& crowd) {
-    crowd.ForEachPart([this](auto& part) {
-      static_assert(std::is_trivially_copyable_v<std::decay_t<decltype(part)>>);
-      AddRange(part);
-    });
-  });
+  world_->crowds_.ForEach(
+      [this](auto, Crowd& crowd) { crowd.ForEachPart([this](auto& part) { AddParts(part); }); });
   JoinRanges();
 }
 
@@ -145,10 +141,8 @@ void SharedWorld::Set(SharedState& state, const double* values) {
     for (const BodyRecord* const record : weighed_) {
       MassSum sum;
       for (const BodyRecord::FixtureRecord& each : record->fixtures) {
-        FixtureSettings settings;
-        settings.density = each.fixture->GetDensity();
-        if (settings.density != 0.0)
-          sum = sum.With(ComputeMass(*each.fixture->GetShape(), settings));
+        const float density = each.fixture->GetDensity();
+        if (density != 0.0f) sum = sum.With(ComputeMass(*each.fixture->GetShape(), density));
       }
       masses.push_back(sum.ToBox2D());
     }

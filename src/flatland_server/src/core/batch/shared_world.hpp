@@ -111,16 +111,18 @@ class SharedWorld {
   void AddRange(T& object) {
     ranges_.push_back({&object, sizeof(T)});
   }
+  template <class... Parts>
+  void AddParts(Parts&... parts) {
+    static_assert((std::is_trivially_copyable_v<Parts> && ...));
+    (AddRange(parts), ...);
+  }
   template <class Mechanism>
   void AddRanges(SlotMap<Mounted<Mechanism>>& mechanisms) {
     mechanisms.ForEach([this](auto, Mounted<Mechanism>& each) {
       if constexpr (std::is_trivially_copyable_v<Mechanism>) {
         AddRange(each.mechanism);
       } else {
-        each.mechanism.ForEachPart([this](auto& part) {
-          static_assert(std::is_trivially_copyable_v<std::decay_t<decltype(part)>>);
-          AddRange(part);
-        });
+        each.mechanism.ForEachPart([this](auto&... parts) { AddParts(parts...); });
       }
     });
   }

@@ -1,6 +1,8 @@
 /// Body in Python: where it is and how it moves. Its fixtures are bound in bind_fixture.cpp, its
 /// joints, drives, tweens and lidars likewise.
 
+#include <pybind11/operators.h>
+
 #include <cmath>
 #include <tuple>
 
@@ -9,111 +11,55 @@
 namespace flatland {
 namespace {
 
-std::optional<Vec2> ToPoint(const std::optional<Pair>& point) {
-  if (!point) return std::nullopt;
-  return ToVec2(*point);
-}
-
-const char* TypeName(b2BodyType type) {
+const char* TypeName(const PyBody& self) {
+  const b2BodyType type = self.world->GetType(self.handle);
   return type == b2_staticBody ? "static" : type == b2_kinematicBody ? "kinematic" : "dynamic";
 }
 
-using Row = py::array_t<double, py::array::c_style>;
-
 template <class Values>
-void Fill(Row& row, const char* name, const Values& values) {
+void Fill(Array<double>& row, const char* name, const Values& values) {
   if (row.ndim() != 1 || row.shape(0) != 3) {
     throw std::invalid_argument(std::string("expected an array of 3 numbers: ") + name);
   }
   double* const out = row.mutable_data();  // throws std::domain_error if it is read-only
-  std::tie(out[0], out[1], out[2]) = values;
+  std::tie(out[0], out[1], out[2]) = ToTuple(values);
 }
 
-void ReadMotion(const PyBody& self, Row pose, Row local_velocity) {
-  Fill(pose, "pose", ToTuple(Wrapped(self.world->GetPose(self.handle))));
-  Fill(local_velocity, "local_velocity", ToTuple(self.world->GetLocalVelocity(self.handle)));
+void ReadMotion(const PyBody& self, Array<double> pose, Array<double> local_velocity) {
+  Fill(pose, "pose", Wrapped(self.world->GetPose(self.handle)));
+  Fill(local_velocity, "local_velocity", self.world->GetLocalVelocity(self.handle));
 }
 
 void BindMotion(py::class_<PyBody>& body) {
-  body.def_property(
-          "pose", [](const PyBody& self) { return ToTuple(self.world->GetPose(self.handle)); },
-          [](PyBody& self, const Triple& pose) { self.world->SetPose(self.handle, ToPose(pose)); })
-      .def_property(
-          "velocity",
-          [](const PyBody& self) { return ToTuple(self.world->GetVelocity(self.handle)); },
-          [](PyBody& self, const Triple& velocity) {
-            self.world->SetVelocity(self.handle, ToTwist(velocity));
-          })
-      .def_property_readonly(
-          "local_velocity",
-          [](const PyBody& self) { return ToTuple(self.world->GetLocalVelocity(self.handle)); })
+  body.def_property("pose", OfWorld<&World::GetPose>(), OfWorld<&World::SetPose>())
+      .def_property("velocity", OfWorld<&World::GetVelocity>(), OfWorld<&World::SetVelocity>())
+      .def_property_readonly("local_velocity", OfWorld<&World::GetLocalVelocity>())
       .def("read_motion", &ReadMotion, py::arg("pose").noconvert(),
            py::arg("local_velocity").noconvert())
-      .def(
-          "velocity_at",
-          [](const PyBody& self, const Pair& point) {
-            return ToTuple(self.world->GetVelocityAt(self.handle, ToVec2(point)));
-          },
-          py::arg("point"))
-      .def("halt", [](PyBody& self) { self.world->Halt(self.handle); })
-      .def(
-          "apply_force",
-          [](PyBody& self, const Pair& force, const std::optional<Pair>& point) {
-            self.world->ApplyForce(self.handle, ToVec2(force), ToPoint(point));
-          },
-          py::arg("force"), py::arg("point") = py::none())
-      .def(
-          "apply_torque",
-          [](PyBody& self, double torque) { self.world->ApplyTorque(self.handle, torque); },
-          py::arg("torque"))
-      .def(
-          "apply_linear_impulse",
-          [](PyBody& self, const Pair& impulse, const std::optional<Pair>& point) {
-            self.world->ApplyLinearImpulse(self.handle, ToVec2(impulse), ToPoint(point));
-          },
-          py::arg("impulse"), py::arg("point") = py::none())
-      .def(
-          "apply_angular_impulse",
-          [](PyBody& self, double impulse) {
-            self.world->ApplyAngularImpulse(self.handle, impulse);
-          },
-          py::arg("impulse"));
-}
-
-using Mapping = Vec2 (World::*)(World::Body, Vec2) const;
-
-template <Mapping map>
-Pair Map(const PyBody& self, const Pair& v) {
-  return ToTuple((self.world.get()->*map)(self.handle, ToVec2(v)));
+      .def("velocity_at", OfWorld<&World::GetVelocityAt>(), py::arg("point"))
+      .def("halt", OfWorld<&World::Halt>())
+      .def("apply_force", OfWorld<&World::ApplyForce>(), py::arg("force"),
+           py::arg("point") = py::none())
+      .def("apply_torque", OfWorld<&World::ApplyTorque>(), py::arg("torque"))
+      .def("apply_linear_impulse", OfWorld<&World::ApplyLinearImpulse>(), py::arg("impulse"),
+           py::arg("point") = py::none())
+      .def("apply_angular_impulse", OfWorld<&World::ApplyAngularImpulse>(), py::arg("impulse"));
 }
 
 void BindProperties(py::class_<PyBody>& body) {
-  body.def("world_point", &Map<&World::ToWorldPoint>, py::arg("point"))
-      .def("local_point", &Map<&World::ToLocalPoint>, py::arg("point"))
-      .def("world_vector", &Map<&World::ToWorldVector>, py::arg("vector"))
-      .def("local_vector", &Map<&World::ToLocalVector>, py::arg("vector"))
-      .def_property_readonly(
-          "type", [](const PyBody& self) { return TypeName(self.world->GetType(self.handle)); })
-      .def_property_readonly("mass",
-                             [](const PyBody& self) { return self.world->GetMass(self.handle); })
-      .def_property_readonly("inertia",
-                             [](const PyBody& self) { return self.world->GetInertia(self.handle); })
-      .def_property_readonly(
-          "center", [](const PyBody& self) { return ToTuple(self.world->GetCenter(self.handle)); })
-      .def_property_readonly(
-          "local_center",
-          [](const PyBody& self) { return ToTuple(self.world->GetLocalCenter(self.handle)); })
-      .def(
-          "set_mass",
-          [](PyBody& self, double mass, std::optional<double> inertia,
-             const std::optional<Pair>& local_center) {
-            self.world->SetMass(self.handle, mass, inertia, ToPoint(local_center));
-          },
-          py::arg("mass"), py::kw_only(), py::arg("inertia") = py::none(),
-          py::arg("local_center") = py::none())
-      .def("reset_mass", [](PyBody& self) { self.world->ResetMass(self.handle); })
-      .def_property_readonly("awake",
-                             [](const PyBody& self) { return self.world->IsAwake(self.handle); });
+  body.def("world_point", OfWorld<&World::ToWorldPoint>(), py::arg("point"))
+      .def("local_point", OfWorld<&World::ToLocalPoint>(), py::arg("point"))
+      .def("world_vector", OfWorld<&World::ToWorldVector>(), py::arg("vector"))
+      .def("local_vector", OfWorld<&World::ToLocalVector>(), py::arg("vector"))
+      .def_property_readonly("type", &TypeName)
+      .def_property_readonly("mass", OfWorld<&World::GetMass>())
+      .def_property_readonly("inertia", OfWorld<&World::GetInertia>())
+      .def_property_readonly("center", OfWorld<&World::GetCenter>())
+      .def_property_readonly("local_center", OfWorld<&World::GetLocalCenter>())
+      .def("set_mass", OfWorld<&World::SetMass>(), py::arg("mass"), py::kw_only(),
+           py::arg("inertia") = py::none(), py::arg("local_center") = py::none())
+      .def("reset_mass", OfWorld<&World::ResetMass>())
+      .def_property_readonly("awake", OfWorld<&World::IsAwake>());
 }
 
 }  // namespace
@@ -127,12 +73,7 @@ b2BodyType ToBodyType(const std::string& name) {
 
 void BindBody(py::class_<PyBody>& body) {
   body.def_property_readonly("id", [](const PyBody& self) { return IdOf(self.handle); })
-      .def(
-          "__eq__",
-          [](const PyBody& self, const PyBody& other) {
-            return self.world == other.world && IdOf(self.handle) == IdOf(other.handle);
-          },
-          py::is_operator())
+      .def(py::self == py::self)
       .def("__hash__", [](const PyBody& self) { return IdOf(self.handle); })
       .def_property_readonly("alive",
                              [](const PyBody& self) { return self.world->Contains(self.handle); })

@@ -28,15 +28,12 @@ BodyGroup MakeGroup(const std::vector<PyBody>& bodies) {
 
 /// An array of shape (n, 3) with `read(body)` in each row.
 template <class Read>
-py::array_t<double> Rows(const BodyGroup& group, Read read) {
-  const auto count = static_cast<py::ssize_t>(group.bodies.size());
-  py::array_t<double> rows({count, py::ssize_t{3}});
+Array<double> Rows(const BodyGroup& group, Read read) {
+  Array<double> rows({static_cast<py::ssize_t>(group.bodies.size()), py::ssize_t{3}});
   double* out = rows.mutable_data();
   for (const World::Body& body : group.bodies) {
-    const Triple row = read(*group.world, body);
-    *out++ = std::get<0>(row);
-    *out++ = std::get<1>(row);
-    *out++ = std::get<2>(row);
+    std::tie(out[0], out[1], out[2]) = ToTuple(read(*group.world, body));
+    out += 3;
   }
   return rows;
 }
@@ -44,28 +41,24 @@ py::array_t<double> Rows(const BodyGroup& group, Read read) {
 /// Selects the collisions that one of the bodies takes part in.
 py::list Select(const BodyGroup& group, const std::vector<Collision>& collisions, double dt) {
   const auto is_own = [&](Fixture fixture) {
-    return std::any_of(group.bodies.begin(), group.bodies.end(),
-                       [&](World::Body body) { return IdOf(body) == IdOf(fixture.body); });
+    return std::find(group.bodies.begin(), group.bodies.end(), fixture.body) != group.bodies.end();
   };
   py::list selected;
   for (const Collision& each : collisions) {
     if (!is_own(each.a) && !is_own(each.b)) continue;
-    py::list points;
-    for (const Vec2& point : each.points) points.append(ToTuple(point));
     std::vector<double> forces(each.points.size());
     for (std::size_t i = 0; i < each.impulses.size(); ++i) forces[i] = each.impulses[i] / dt;
     selected.append(py::make_tuple(each.number, PyFixture{group.world, each.a},
-                                   PyFixture{group.world, each.b}, each.has_sensor, points,
-                                   ToTuple(each.normal), forces));
+                                   PyFixture{group.world, each.b}, each.has_sensor, each.points,
+                                   each.normal, forces));
   }
   return selected;
 }
 
 void RestoreCollision(BodyGroup& group, uint64_t number, const PyFixture& a, const PyFixture& b,
-                      bool has_sensor, const std::vector<Pair>& points, const Pair& normal) {
-  Collision collision{number, a.handle, b.handle, has_sensor, {}, ToVec2(normal), {}};
-  for (const Pair& point : points) collision.points.push_back(ToVec2(point));
-  group.world->contacts().collisions().Restore(std::move(collision));
+                      bool has_sensor, const std::vector<Vec2>& points, Vec2 normal) {
+  group.world->contacts().collisions().Restore(
+      {number, a.handle, b.handle, has_sensor, points, normal, {}});
 }
 
 }  // namespace
@@ -77,13 +70,13 @@ void BindBodyGroup(py::module_& m) {
       .def("poses",
            [](const BodyGroup& self) {
              return Rows(self, [](const World& world, World::Body body) {
-               return ToTuple(Wrapped(world.GetPose(body)));
+               return Wrapped(world.GetPose(body));
              });
            })
       .def("velocities",
            [](const BodyGroup& self) {
              return Rows(self, [](const World& world, World::Body body) {
-               return ToTuple(world.GetVelocity(body));
+               return world.GetVelocity(body);
              });
            })
       .def(

@@ -1,5 +1,7 @@
 /// Contacts in Python: the listener, and the arguments that it gets.
 
+#include <pybind11/operators.h>
+
 #include "bindings/bindings.hpp"
 
 namespace flatland {
@@ -13,10 +15,8 @@ struct PyContact {
   PyFixture a;
   PyFixture b;
 
-  /// Identifies the contact from its begin to its end, also when Box2D's world is rebuilt.
-  std::tuple<uint64_t, uint32_t, uint64_t, uint32_t> Key() const {
-    return {IdOf(a.handle.body), a.handle.index, IdOf(b.handle.body), b.handle.index};
-  }
+  /// The same contact from its begin to its end, also when Box2D's world is rebuilt.
+  bool operator==(const PyContact& other) const { return a == other.a && b == other.b; }
 
   Contact& Get() const {
     if (contact == nullptr) {
@@ -26,10 +26,20 @@ struct PyContact {
   }
 };
 
-std::vector<Pair> ToTuples(const std::vector<Vec2>& points) {
-  std::vector<Pair> tuples;
-  for (const Vec2& point : points) tuples.push_back(ToTuple(point));
-  return tuples;
+/// A method of Contact, while it can be used.
+template <auto method, class Result, class... Arguments>
+auto OfContact(Result (Contact::*)(Arguments...)) {
+  return [](const PyContact& self, Arguments... arguments) {
+    return (self.Get().*method)(arguments...);
+  };
+}
+template <auto method, class Result>
+auto OfContact(Result (Contact::*)() const) {
+  return [](const PyContact& self) { return (self.Get().*method)(); };
+}
+template <auto method>
+auto OfContact() {
+  return OfContact<method>(method);
 }
 
 }  // namespace
@@ -79,23 +89,16 @@ void BindContacts(py::module_& m) {
       .def_readonly("normal_impulses", &ContactImpulse::normal_impulses)
       .def_readonly("tangent_impulses", &ContactImpulse::tangent_impulses);
   py::class_<Manifold, ContactImpulse>(m, "Manifold")
-      .def_property_readonly("local_points",
-                             [](const Manifold& self) { return ToTuples(self.local_points); });
+      .def_readonly("local_points", &Manifold::local_points);
 
   py::class_<PyContact, std::shared_ptr<PyContact>>(m, "Contact")
-      .def(
-          "__eq__",
-          [](const PyContact& self, const PyContact& other) {
-            return self.world == other.world && self.Key() == other.Key();
-          },
-          py::is_operator())
-      .def("__hash__", [](const PyContact& self) { return py::hash(py::cast(self.Key())); })
+      .def(py::self == py::self)
+      .def("__hash__",
+           [](const PyContact& self) { return py::hash(py::make_tuple(self.a, self.b)); })
       .def_readonly("fixture_a", &PyContact::a)
       .def_readonly("fixture_b", &PyContact::b)
-      .def_property_readonly("touching",
-                             [](const PyContact& self) { return self.Get().is_touching(); })
-      .def_property_readonly("enabled",
-                             [](const PyContact& self) { return self.Get().is_enabled(); })
+      .def_property_readonly("touching", OfContact<&Contact::is_touching>())
+      .def_property_readonly("enabled", OfContact<&Contact::is_enabled>())
       .def(
           "set_enabled",
           [](PyContact& self, bool enabled) {
@@ -105,19 +108,13 @@ void BindContacts(py::module_& m) {
             self.Get().SetEnabled(enabled);
           },
           py::arg("enabled"))
-      .def_property_readonly("points",
-                             [](const PyContact& self) { return ToTuples(self.Get().Points()); })
-      .def_property_readonly("normal",
-                             [](const PyContact& self) { return ToTuple(self.Get().Normal()); })
-      .def_property(
-          "friction", [](const PyContact& self) { return self.Get().friction(); },
-          [](PyContact& self, double value) { self.Get().SetFriction(value); })
-      .def_property(
-          "restitution", [](const PyContact& self) { return self.Get().restitution(); },
-          [](PyContact& self, double value) { self.Get().SetRestitution(value); })
-      .def_property(
-          "tangent_speed", [](const PyContact& self) { return self.Get().tangent_speed(); },
-          [](PyContact& self, double value) { self.Get().SetTangentSpeed(value); });
+      .def_property_readonly("points", OfContact<&Contact::Points>())
+      .def_property_readonly("normal", OfContact<&Contact::Normal>())
+      .def_property("friction", OfContact<&Contact::friction>(), OfContact<&Contact::SetFriction>())
+      .def_property("restitution", OfContact<&Contact::restitution>(),
+                    OfContact<&Contact::SetRestitution>())
+      .def_property("tangent_speed", OfContact<&Contact::tangent_speed>(),
+                    OfContact<&Contact::SetTangentSpeed>());
 }
 
 }  // namespace flatland

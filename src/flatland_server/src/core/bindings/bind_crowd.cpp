@@ -3,32 +3,29 @@
 #include "bindings/bindings.hpp"
 #include "people/orca.hpp"
 
+namespace pybind11::detail {
+
+using namespace flatland;
+
+template <>
+struct type_caster<SocialForce>
+    : StructCaster<SocialForce, double, double, double, double, double, double> {};
+template <>
+struct type_caster<OrcaSettings> : StructCaster<OrcaSettings, double, double, double, int> {};
+template <>
+struct type_caster<Area> : StructCaster<Area, Vec2, Vec2> {};
+
+}  // namespace pybind11::detail
+
 namespace flatland {
 namespace {
 
-template <class T>
-using Array = py::array_t<T, py::array::c_style>;
-
-using Forces = std::tuple<double, double, double, double, double, double>;
-
 using Attention = std::tuple<bool, double, double, double>;
 
-using OrcaNumbers = std::tuple<double, double, double, int>;
-
-OrcaSettings ToOrca(const OrcaNumbers& numbers) {
-  OrcaSettings orca;
-  std::tie(orca.horizon, orca.wall_horizon, orca.distance, orca.neighbors) = numbers;
-  return orca;
-}
-
 PyCrowd AddCrowd(PyWorld& self, uint64_t key, LayerBits layers, double period, double goal_radius,
-                 const Forces& forces, const std::optional<OrcaNumbers>& orca, double begin) {
-  SocialForce force;
-  std::tie(force.relaxation_time, force.repulsion, force.range, force.evasion,
-           force.side_preference, force.noise) = forces;
-  CrowdSettings settings{layers, period * 1e9, goal_radius, force, std::nullopt, begin * 1e9};
-  if (orca) settings.orca = ToOrca(*orca);
-  return {self.world, self.world->AddCrowd(settings, key)};
+                 const SocialForce& forces, const std::optional<OrcaSettings>& orca, double begin) {
+  return {self.world, self.world->AddCrowd(
+                          {layers, period * 1e9, goal_radius, forces, orca, begin * 1e9}, key)};
 }
 
 std::shared_ptr<const Recording> ToRecording(const std::vector<Array<double>>& walks) {
@@ -50,26 +47,26 @@ std::shared_ptr<const Recording> ToRecording(const std::vector<Array<double>>& w
   return recording;
 }
 
-void AddPerson(PyCrowd& self, const PyBody& body, const std::vector<Pair>& goals, double radius,
+void AddPerson(PyCrowd& self, const PyBody& body, const std::vector<Vec2>& goals, double radius,
                double speed, const std::vector<PyBody>& legs, const std::optional<PyBody>& circle,
-               double leg_offset, double walk_ratio, const Pair& leg_radii,
-               const Attention& attention, int group,
-               const std::optional<std::pair<Pair, Pair>>& area, bool stands,
+               double leg_offset, double walk_ratio, Vec2 leg_radii, const Attention& attention,
+               int group, const std::optional<Area>& area, bool stands,
                const std::vector<Array<double>>& recording) {
   PersonSettings person;
   person.body = body.handle;
   for (const PyBody& leg : legs) person.legs.push_back(leg.handle);
   if (circle) person.circle = circle->handle;
-  for (const Pair& goal : goals) person.goals.push_back(ToVec2(goal));
+  person.goals = goals;
   person.radius = radius;
   person.speed = speed;
   person.leg_offset = leg_offset;
   person.walk_ratio = walk_ratio;
-  std::tie(person.leg_radius, person.swing_radius) = leg_radii;
+  person.leg_radius = leg_radii.x;
+  person.swing_radius = leg_radii.y;
   std::tie(person.sees_robots, person.yields, person.reaction_time, person.field_of_view) =
       attention;
   person.group = group;
-  if (area) person.area = Area{ToVec2(area->first), ToVec2(area->second)};
+  person.area = area;
   person.stands = stands;
   if (!recording.empty()) person.recording = ToRecording(recording);
   self.world->AddPerson(self.handle, person);
@@ -83,7 +80,7 @@ std::vector<Triple> GetClearances(PyCrowd& self) {
   return rows;
 }
 
-Pair ChooseOrcaVelocity(const Pair& velocity, const Pair& preferred, const Array<double>& neighbors,
+Vec2 ChooseOrcaVelocity(Vec2 velocity, Vec2 preferred, const Array<double>& neighbors,
                         const Array<double>& walls, double most, double horizon,
                         double wall_horizon, double dt) {
   if (neighbors.ndim() != 2 || neighbors.shape(1) != 6) {
@@ -104,10 +101,9 @@ Pair ChooseOrcaVelocity(const Pair& velocity, const Pair& preferred, const Array
   const double* each = neighbors.data();
   for (py::ssize_t i = 0; i < neighbors.shape(0); ++i, each += 6) {
     planes.push_back(AvoidNeighbor({{each[0], each[1]}, {each[2], each[3]}, each[4], each[5]},
-                                   ToVec2(velocity), horizon, dt));
+                                   velocity, horizon, dt));
   }
-  const auto kept = static_cast<size_t>(walls.shape(0));
-  return ToTuple(ChooseVelocity(planes, kept, ToVec2(preferred), most));
+  return ChooseVelocity(planes, static_cast<size_t>(walls.shape(0)), preferred, most);
 }
 
 }  // namespace
@@ -118,17 +114,17 @@ void BindCrowd(py::module_& m) {
       .def("add_person", &AddPerson, py::arg("body"), py::kw_only(), py::arg("goals"),
            py::arg("radius"), py::arg("speed"), py::arg("legs") = std::vector<PyBody>{},
            py::arg("circle") = py::none(), py::arg("leg_offset") = 0.0, py::arg("walk_ratio") = 0.0,
-           py::arg("leg_radii") = Pair{0.0, 0.0},
+           py::arg("leg_radii") = Vec2{},
            py::arg("attention") = Attention{true, 1.0, 0.0, 2.0 * M_PI}, py::arg("group") = -1,
            py::arg("area") = py::none(), py::arg("stands") = false,
            py::arg("recording") = std::vector<Array<double>>{})
       .def(
           "follow",
-          [](PyCrowd& self, size_t person, const Pair& point, const Pair& velocity) {
-            self.world->Get(self.handle).Follow(person, ToVec2(point), ToVec2(velocity));
+          [](PyCrowd& self, size_t person, Vec2 point, Vec2 velocity) {
+            self.world->Get(self.handle).Follow(person, point, velocity);
           },
           py::arg("person"), py::arg("point"), py::arg("velocity"))
-      .def("remove", [](PyCrowd& self) { self.world->RemoveCrowd(self.handle); })
+      .def("remove", OfWorld<&World::RemoveCrowd>())
       .def("clearances", &GetClearances)
       .def("scatter", [](PyCrowd& self) { self.world->ScatterCrowd(self.handle); });
   m.def("orca_velocity", &ChooseOrcaVelocity, py::arg("velocity"), py::arg("preferred"),

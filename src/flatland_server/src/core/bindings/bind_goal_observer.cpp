@@ -10,9 +10,6 @@
 namespace flatland {
 namespace {
 
-template <class T>
-using Array = py::array_t<T, py::array::c_style>;
-
 Array<float> Observe(const GoalObserver& self, const Array<float>& ranges,
                      const Array<double>& poses, const Array<double>& velocities,
                      const Array<double>& goals) {

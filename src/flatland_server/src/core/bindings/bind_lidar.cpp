@@ -1,24 +1,22 @@
 /// BeamFan and Lidar in Python, and scans from any pose. They release the GIL.
 
-#include <algorithm>
-
 #include "bindings/bindings.hpp"
 #include "bindings/fast_method.hpp"
 
 namespace flatland {
 namespace {
 
-py::tuple Scan(const PyWorld& self, const BeamFan& fan, const Triple& pose, double range,
+py::tuple Scan(const PyWorld& self, const BeamFan& fan, const Pose& pose, double range,
                LayerBits layers, LayerBits reflectance_layers) {
-  py::array_t<float> ranges(fan.size());
-  py::array_t<float> intensities(fan.size());
+  Array<float> ranges(fan.size());
+  Array<float> intensities(fan.size());
   float* ranges_out = ranges.mutable_data();
   float* intensities_out = intensities.mutable_data();
   {
     const World::AccessGuard guard(*self.world);
     const py::gil_scoped_release release;
-    self.world->lidars().Scan(fan, ToPose(pose), {range, layers, reflectance_layers, 0.0, {}},
-                              ranges_out, intensities_out, guard);
+    self.world->lidars().Scan(fan, pose, {range, layers, reflectance_layers, 0.0, {}}, ranges_out,
+                              intensities_out, guard);
   }
   return py::make_tuple(ranges, intensities);
 }
@@ -28,10 +26,8 @@ const Lidar& ScanReleased(PyLidar& self, const World::AccessGuard& guard) {
   return self.world->lidars().Scan(self.handle, guard);
 }
 
-py::array_t<float> CopyOf(const std::vector<float>& values) {
-  py::array_t<float> array(static_cast<py::ssize_t>(values.size()));
-  std::copy(values.begin(), values.end(), array.mutable_data());
-  return array;
+Array<float> CopyOf(const std::vector<float>& values) {
+  return Array<float>(static_cast<py::ssize_t>(values.size()), values.data());
 }
 
 // The guards are held until the arrays are copied: as soon as they are released, another thread may
@@ -43,7 +39,7 @@ py::tuple ScanLidar(PyLidar& self) {
   return py::make_tuple(CopyOf(lidar.ranges), CopyOf(lidar.intensities));
 }
 
-py::array_t<float> RangesOf(PyLidar& self) {
+Array<float> RangesOf(PyLidar& self) {
   const World::AccessGuard guard(*self.world);
   return CopyOf(ScanReleased(self, guard).ranges);
 }
@@ -64,11 +60,10 @@ void BindLidar(py::module_& m) {
 void BindLidarsOf(py::class_<PyBody>& body) {
   body.def(
       "add_lidar",
-      [](PyBody& self, const std::shared_ptr<BeamFan>& fan, const Triple& pose, double range,
+      [](PyBody& self, const std::shared_ptr<BeamFan>& fan, const Pose& pose, double range,
          LayerBits layers, LayerBits reflectance_layers, double range_min,
          const std::vector<PyBody>& ignored) {
-        LidarSettings settings{
-            fan, ToPose(pose), {range, layers, reflectance_layers, range_min, {}}};
+        LidarSettings settings{fan, pose, {range, layers, reflectance_layers, range_min, {}}};
         for (const PyBody& each : ignored) settings.scan.ignored.push_back(each.handle);
         return PyLidar{self.world, self.world->lidars().Add(self.handle, settings)};
       },

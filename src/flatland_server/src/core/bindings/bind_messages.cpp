@@ -49,9 +49,9 @@ struct RelativePoses {
     return drift ? world->Get(*drift).MeasuredVelocity() : world->GetLocalVelocity(body);
   }
 
-  std::vector<Triple> Read() const {
-    std::vector<Triple> poses;
-    for (const World::Body& body : bodies) poses.push_back(ToTuple(PoseOf(body)));
+  std::vector<Pose> Read() const {
+    std::vector<Pose> poses;
+    for (const World::Body& body : bodies) poses.push_back(PoseOf(body));
     return poses;
   }
 
@@ -61,21 +61,17 @@ struct RelativePoses {
   std::optional<World::Drift> drift;
 };
 
-/// Offsets of the fields of a body in a message; without a value, the message has no such field.
-struct Fields {
-  std::size_t header = 0;
-  std::optional<std::size_t> pose;
-  std::optional<std::size_t> twist;
-};
+/// Offsets of header, pose and twist of a body in a message; without a value, the message has no
+/// such field.
+using Fields = std::tuple<std::size_t, std::optional<std::size_t>, std::optional<std::size_t>>;
 
 class BodyMessage {
  public:
-  using Offsets = std::tuple<std::size_t, std::optional<std::size_t>, std::optional<std::size_t>>;
-
-  BodyMessage(const std::string& data, RelativePoses poses, const std::vector<Offsets>& fields,
+  BodyMessage(const std::string& data, RelativePoses poses, const std::vector<Fields>& fields,
               bool twist_in_local_frame, bool is_numbered)
       : bytes_(data),
         poses_(std::move(poses)),
+        fields_(fields),
         twist_in_local_frame_(twist_in_local_frame),
         is_numbered_(is_numbered) {
     if (fields.size() != poses_.bodies.size()) {
@@ -87,7 +83,6 @@ class BodyMessage {
       bytes_.SetHeader(header, 0, 0);
       if (pose) bytes_.SetPose(*pose, {});
       if (twist) bytes_.SetTwist(*twist, {});
-      fields_.push_back({header, pose, twist});
     }
   }
 
@@ -109,15 +104,16 @@ class BodyMessage {
 
  private:
   void Fill(const Fields& fields, World::Body body, int64_t nanoseconds) {
+    const auto& [header, pose_at, twist_at] = fields;
     const Pose pose = poses_.PoseOf(body);
-    bytes_.SetHeader(fields.header, sequence_, nanoseconds);
-    if (fields.pose) bytes_.SetPose(*fields.pose, pose);
-    if (!fields.twist) return;
+    bytes_.SetHeader(header, sequence_, nanoseconds);
+    if (pose_at) bytes_.SetPose(*pose_at, pose);
+    if (!twist_at) return;
     const Twist twist = poses_.VelocityOf(body);
     if (twist_in_local_frame_) {
-      bytes_.SetTwist(*fields.twist, twist);
+      bytes_.SetTwist(*twist_at, twist);
     } else {
-      bytes_.SetTurnedTwist(*fields.twist, twist, pose.yaw);
+      bytes_.SetTurnedTwist(*twist_at, twist, pose.yaw);
     }
   }
 
@@ -252,8 +248,7 @@ void BindMessages(py::module_& m) {
       .def("__iter__", [](const RelativePoses& self) { return py::iter(py::cast(self.Read())); })
       .def("read", &RelativePoses::Read);
   py::class_<BodyMessage, std::shared_ptr<BodyMessage>> message(m, "BodyMessage");
-  message.def(py::init<const py::bytes&, RelativePoses, const std::vector<BodyMessage::Offsets>&,
-                       bool, bool>(),
+  message.def(py::init<const py::bytes&, RelativePoses, const std::vector<Fields>&, bool, bool>(),
               py::arg("data"), py::arg("poses"), py::arg("fields"),
               py::arg("twist_in_local_frame") = true, py::arg("is_numbered") = true);
   DefineFast<&BodyMessage::Data>(message, "data", "nanoseconds");

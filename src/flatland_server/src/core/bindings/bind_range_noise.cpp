@@ -10,20 +10,16 @@
 namespace flatland {
 namespace {
 
-using Ranges = py::array_t<float, py::array::c_style>;
-template <class T>
-using Values = py::array_t<T, py::array::c_style>;
-
-Ranges WithNoise(const RangeNoise& self, const Ranges& ranges, int64_t nanoseconds) {
-  Ranges result(ranges.size());
+Array<float> WithNoise(const RangeNoise& self, const Array<float>& ranges, int64_t nanoseconds) {
+  Array<float> result(ranges.size());
   std::copy(ranges.data(), ranges.data() + ranges.size(), result.mutable_data());
   self.AddTo(result.mutable_data(), static_cast<int>(result.size()), nanoseconds);
   return result;
 }
 
-void AddToRows(const RangeNoise& self, Ranges ranges, const Values<uint64_t>& keys,
-               const Values<int64_t>& nanoseconds, const std::optional<Values<bool>>& mask,
-               const std::optional<Values<double>>& settings) {
+void AddToRows(const RangeNoise& self, Array<float> ranges, const Array<uint64_t>& keys,
+               const Array<int64_t>& nanoseconds, const std::optional<Array<bool>>& mask,
+               const std::optional<Array<double>>& settings) {
   const py::ssize_t rows = ranges.ndim() == 2 ? ranges.shape(0) : -1;
   if (rows != keys.size() || rows != nanoseconds.size() || (mask && mask->size() != rows) ||
       (settings && settings->size() != 3 * rows)) {

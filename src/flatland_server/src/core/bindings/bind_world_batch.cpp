@@ -10,9 +10,6 @@
 namespace flatland {
 namespace {
 
-template <class T>
-using Array = py::array_t<T, py::array::c_style>;
-
 /// The walls of a layer, with what lidars need of them.
 struct PyWalls {
   std::shared_ptr<const VisibleWalls> walls;
@@ -53,6 +50,22 @@ void RequireShape(const Array<T>& array, const char* name, py::ssize_t rows, py:
   if (!fits) throw std::invalid_argument(std::string("an array has the wrong shape: ") + name);
 }
 
+/// The numbers of an array of a shape.
+template <class T>
+const T* DataOf(const Array<T>& array, const char* name, py::ssize_t rows, py::ssize_t columns) {
+  RequireShape(array, name, rows, columns);
+  return array.data();
+}
+
+/// The same; null without an array.
+template <class T>
+const T* DataOf(const std::optional<Array<T>>& array, const char* name, py::ssize_t rows,
+                py::ssize_t columns = 0) {
+  return array ? DataOf(*array, name, rows, columns) : nullptr;
+}
+
+using Mask = std::optional<Array<bool>>;
+
 /// Pointers to the arrays (ranges, poses, velocities, local_velocities, collided, steps), which are
 /// written to in place.
 BatchRows ToRows(const WorldBatch& batch, const py::tuple& out) {
@@ -74,83 +87,74 @@ BatchRows ToRows(const WorldBatch& batch, const py::tuple& out) {
           rows(5, "steps", 0, int64_t())};
 }
 
-void RequireActionShapes(const WorldBatch& batch, const Array<double>& actions,
-                         const std::optional<Array<bool>>& mask) {
-  RequireShape(actions, "actions", batch.row_count(), batch.action_size());
-  if (mask) RequireShape(*mask, "mask", batch.row_count(), 0);
+const double* ActionsOf(const WorldBatch& batch, const Array<double>& actions) {
+  return DataOf(actions, "actions", batch.row_count(), batch.action_size());
 }
 
-void RequireActions(const PyWorldBatch& self, const Array<double>& actions,
-                    const std::optional<Array<bool>>& mask) {
-  RequireActionShapes(self.batch, actions, mask);
-  self.batch.RequireActions(actions.data(), mask ? mask->data() : nullptr);
+void RequireActions(const PyWorldBatch& self, const Array<double>& actions, const Mask& mask) {
+  const double* const numbers = ActionsOf(self.batch, actions);
+  self.batch.RequireActions(numbers, DataOf(mask, "mask", self.batch.row_count()));
 }
 
 void Step(PyWorldBatch& self, const Array<double>& actions, int substeps, double dt,
-          const std::optional<py::tuple>& out, bool goes_on,
-          const std::optional<Array<bool>>& mask) {
-  RequireActionShapes(self.batch, actions, mask);
+          const std::optional<py::tuple>& out, bool goes_on, const Mask& mask) {
+  const double* const numbers = ActionsOf(self.batch, actions);
+  const bool* const chosen = DataOf(mask, "mask", self.batch.row_count());
   std::optional<BatchRows> rows;
   if (out) rows = ToRows(self.batch, *out);
-  const bool* chosen = mask ? mask->data() : nullptr;
   const Use use(self);
   const py::gil_scoped_release release;
   if (rows) {
-    self.batch.Step(actions.data(), substeps, dt, *rows, goes_on, chosen);
+    self.batch.Step(numbers, substeps, dt, *rows, goes_on, chosen);
   } else {
-    self.batch.Advance(actions.data(), substeps, dt, goes_on, chosen);
+    self.batch.Advance(numbers, substeps, dt, goes_on, chosen);
   }
 }
 
-int Reset(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
-          const std::optional<Array<double>>& poses, const py::tuple& out,
-          const std::optional<Array<double>>& model_poses) {
-  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
-  if (poses) RequireShape(*poses, "poses", self.batch.row_count(), 3);
-  if (model_poses) {
-    RequireShape(*model_poses, "model_poses", self.batch.count(), 3 * self.batch.model_count());
-  }
+int Reset(PyWorldBatch& self, const Mask& mask, const std::optional<Array<double>>& poses,
+          const py::tuple& out, const std::optional<Array<double>>& model_poses) {
+  const int count = self.batch.count();
+  const bool* const chosen = DataOf(mask, "mask", count);
+  const double* const places = DataOf(poses, "poses", self.batch.row_count(), 3);
+  const double* const model_places =
+      DataOf(model_poses, "model_poses", count, 3 * self.batch.model_count());
   const BatchRows rows = ToRows(self.batch, out);
   const Use use(self);
   const py::gil_scoped_release release;
-  return self.batch.Reset(mask ? mask->data() : nullptr, poses ? poses->data() : nullptr, rows,
-                          model_poses ? model_poses->data() : nullptr);
+  return self.batch.Reset(chosen, places, rows, model_places);
 }
 
-void SetSettings(PyWorldBatch& self, const Array<double>& values,
-                 const std::optional<Array<bool>>& mask) {
-  RequireShape(values, "values", self.batch.count(), std::max(self.batch.varied_count(), 1));
-  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+void SetSettings(PyWorldBatch& self, const Array<double>& values, const Mask& mask) {
+  const int count = self.batch.count();
+  const double* const numbers =
+      DataOf(values, "values", count, std::max(self.batch.varied_count(), 1));
+  const bool* const chosen = DataOf(mask, "mask", count);
   const Use use(self);
-  self.batch.SetSettings(mask ? mask->data() : nullptr, values.data());
+  self.batch.SetSettings(chosen, numbers);
 }
 
-void MoveRobots(PyWorldBatch& self, const Array<double>& poses,
-                const std::optional<Array<bool>>& mask) {
-  RequireShape(poses, "poses", self.batch.row_count(), 3);
-  if (mask) RequireShape(*mask, "mask", self.batch.row_count(), 0);
+void MoveRobots(PyWorldBatch& self, const Array<double>& poses, const Mask& mask) {
+  const double* const places = DataOf(poses, "poses", self.batch.row_count(), 3);
+  const bool* const chosen = DataOf(mask, "mask", self.batch.row_count());
   const Use use(self);
   const py::gil_scoped_release release;
-  self.batch.MoveRobots(mask ? mask->data() : nullptr, poses.data());
+  self.batch.MoveRobots(chosen, places);
 }
 
-void LoadStates(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
-                const std::vector<py::bytes>& states,
+void LoadStates(PyWorldBatch& self, const Mask& mask, const std::vector<std::string_view>& states,
                 const std::vector<std::optional<PyWalls>>& walls, const Array<int64_t>& chosen,
                 const Array<int64_t>& steps, const py::tuple& out) {
-  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
-  RequireShape(chosen, "chosen", self.batch.count(), 0);
-  RequireShape(steps, "steps", self.batch.count(), 0);
+  const int count = self.batch.count();
+  const bool* const environments = DataOf(mask, "mask", count);
+  RequireShape(chosen, "chosen", count, 0);
+  RequireShape(steps, "steps", count, 0);
   const BatchRows rows = ToRows(self.batch, out);
-  std::vector<std::string_view> views;
-  for (const py::bytes& state : states) views.push_back(state);
   if (walls.size() != states.size()) throw std::invalid_argument("expected walls for each state");
   std::vector<std::shared_ptr<const VisibleWalls>> of_states;
   for (const auto& each : walls) of_states.push_back(each ? each->walls : nullptr);
   const Use use(self);
   const py::gil_scoped_release release;
-  self.batch.LoadStates(mask ? mask->data() : nullptr, views, of_states, chosen.data(),
-                        steps.data(), rows);
+  self.batch.LoadStates(environments, states, of_states, chosen.data(), steps.data(), rows);
 }
 
 void Observe(PyWorldBatch& self, const py::tuple& out) {
@@ -166,29 +170,27 @@ std::vector<World::Body> ToHandles(const std::vector<PyBody>& bodies) {
   return handles;
 }
 
-template <class Owner>
-void Seed(PyWorldBatch& self, const Owner& owner, const Array<uint64_t>& keys,
-          const std::optional<Array<bool>>& mask) {
-  RequireShape(keys, "keys", self.batch.count(), 0);
-  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+void Seed(PyWorldBatch& self, const std::variant<PyCrowd, PyDrive, PyAckermann, PyTricycle>& owner,
+          const Array<uint64_t>& keys, const Mask& mask) {
+  const uint64_t* const numbers = DataOf(keys, "keys", self.batch.count(), 0);
+  const bool* const chosen = DataOf(mask, "mask", self.batch.count());
   const Use use(self);
   const py::gil_scoped_release release;
-  self.batch.Seed(mask ? mask->data() : nullptr, owner.handle, keys.data());
+  std::visit([&](const auto& each) { self.batch.Seed(chosen, each.handle, numbers); }, owner);
 }
 
 void Scatter(PyWorldBatch& self, const PyCrowd& crowd, const Array<uint64_t>& keys,
-             const std::optional<Array<bool>>& mask) {
-  RequireShape(keys, "keys", self.batch.count(), 0);
-  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+             const Mask& mask) {
+  const uint64_t* const numbers = DataOf(keys, "keys", self.batch.count(), 0);
+  const bool* const chosen = DataOf(mask, "mask", self.batch.count());
   const Use use(self);
-  self.batch.Scatter(crowd.handle, mask ? mask->data() : nullptr, keys.data());
+  self.batch.Scatter(crowd.handle, chosen, numbers);
 }
 
 /// Poses and velocities: two arrays of shape (count, bodies, 3), with zeros where the mask does not
 /// choose.
-py::tuple GetMotions(PyWorldBatch& self, const std::vector<PyBody>& bodies,
-                     const std::optional<Array<bool>>& mask) {
-  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+py::tuple GetMotions(PyWorldBatch& self, const std::vector<PyBody>& bodies, const Mask& mask) {
+  const bool* const chosen = DataOf(mask, "mask", self.batch.count());
   const std::vector<py::ssize_t> shape{self.batch.count(), static_cast<py::ssize_t>(bodies.size()),
                                        3};
   Array<double> poses(shape), velocities(shape);
@@ -198,39 +200,33 @@ py::tuple GetMotions(PyWorldBatch& self, const std::vector<PyBody>& bodies,
   {
     const Use use(self);
     const py::gil_scoped_release release;
-    self.batch.GetMotions(mask ? mask->data() : nullptr, handles, poses.mutable_data(),
-                          velocities.mutable_data());
+    self.batch.GetMotions(chosen, handles, poses.mutable_data(), velocities.mutable_data());
   }
   return py::make_tuple(poses, velocities);
 }
 
 void SetVelocities(PyWorldBatch& self, const std::vector<PyBody>& bodies,
-                   const Array<double>& velocities, const std::optional<Array<bool>>& mask) {
-  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
-  RequireShape(velocities, "velocities", self.batch.count(),
-               3 * static_cast<py::ssize_t>(bodies.size()));
+                   const Array<double>& velocities, const Mask& mask) {
+  const bool* const chosen = DataOf(mask, "mask", self.batch.count());
+  const double* const numbers = DataOf(velocities, "velocities", self.batch.count(),
+                                       3 * static_cast<py::ssize_t>(bodies.size()));
   const std::vector<World::Body> handles = ToHandles(bodies);
   const Use use(self);
   const py::gil_scoped_release release;
-  self.batch.SetVelocities(mask ? mask->data() : nullptr, handles, velocities.data());
+  self.batch.SetVelocities(chosen, handles, numbers);
 }
 
 /// Bodies, base, drive, columns and lidar.
 using PyRobot =
-    std::tuple<std::vector<PyBody>, Triple, py::object, std::vector<int>, const PyLidar*>;
+    std::tuple<std::vector<PyBody>, Pose, std::variant<PyTricycle, PyAckermann, PyDrive>,
+               std::vector<int>, const PyLidar*>;
 
 BatchRobot ToRobot(const PyRobot& values) {
   const auto& [bodies, base, drive, columns, lidar] = values;
   BatchRobot robot;
   robot.bodies = ToHandles(bodies);
-  robot.base = ToPose(base);
-  if (py::isinstance<PyTricycle>(drive)) {
-    robot.drive = drive.cast<const PyTricycle&>().handle;
-  } else if (py::isinstance<PyAckermann>(drive)) {
-    robot.drive = drive.cast<const PyAckermann&>().handle;
-  } else {
-    robot.drive = drive.cast<const PyDrive&>().handle;
-  }
+  robot.base = base;
+  std::visit([&](const auto& owned) { robot.drive = owned.handle; }, drive);
   robot.columns = {-1, -1, -1};
   robot.action_size = static_cast<int>(columns.size());
   for (int i = 0; i < robot.action_size; ++i) {
@@ -241,20 +237,19 @@ BatchRobot ToRobot(const PyRobot& values) {
   return robot;
 }
 
-std::vector<BatchModel> ToModels(
-    const std::vector<std::pair<std::vector<PyBody>, Triple>>& models) {
+using PyModels = std::vector<std::pair<std::vector<PyBody>, Pose>>;
+
+std::vector<BatchModel> ToModels(const PyModels& models) {
   std::vector<BatchModel> converted;
-  for (const auto& [bodies, base] : models) {
-    BatchModel& model = converted.emplace_back();
-    model.bodies = ToHandles(bodies);
-    model.base = ToPose(base);
-  }
+  for (const auto& [bodies, base] : models) converted.push_back({ToHandles(bodies), base});
   return converted;
 }
 
 }  // namespace
 
 void BindWorldBatch(py::module_& m) {
+  const auto mask = py::arg("mask").noconvert().none(true);
+  const auto keys = py::arg("keys").noconvert();
   py::class_<PyWalls>(m, "Walls")
       .def(py::init(&MakeWalls), py::arg("segments"))
       .def("__len__", [](const PyWalls& self) { return self.walls->all().segment_count(); })
@@ -266,9 +261,8 @@ void BindWorldBatch(py::module_& m) {
       });
   py::class_<PyWorldBatch>(m, "WorldBatch")
       .def(py::init([](const PyWorld& world, const std::vector<PyRobot>& robots, int count,
-                       int threads,
-                       const std::vector<std::pair<std::vector<PyBody>, Triple>>& models,
-                       int64_t steps, const std::vector<int>& varied) {
+                       int threads, const PyModels& models, int64_t steps,
+                       const std::vector<int>& varied) {
              std::vector<BatchRobot> converted;
              for (const PyRobot& robot : robots) converted.push_back(ToRobot(robot));
              return std::unique_ptr<PyWorldBatch>(new PyWorldBatch{
@@ -277,18 +271,14 @@ void BindWorldBatch(py::module_& m) {
            py::arg("world"), py::kw_only(), py::arg("robots"), py::arg("count"), py::arg("threads"),
            py::arg("models"), py::arg("steps") = 0, py::arg("varied") = std::vector<int>())
       .def_property_readonly("beams", [](const PyWorldBatch& self) { return self.batch.beams(); })
-      .def("require_actions", &RequireActions, py::arg("actions").noconvert(),
-           py::arg("mask").noconvert().none(true))
+      .def("require_actions", &RequireActions, py::arg("actions").noconvert(), mask)
       .def("step", &Step, py::arg("actions").noconvert(), py::arg("substeps"), py::arg("dt"),
            py::arg("out").none(true), py::arg("goes_on") = false,
            py::arg("mask").noconvert().none(true) = py::none())
-      .def("reset", &Reset, py::arg("mask").noconvert().none(true),
-           py::arg("poses").noconvert().none(true), py::arg("out"),
+      .def("reset", &Reset, mask, py::arg("poses").noconvert().none(true), py::arg("out"),
            py::arg("model_poses").noconvert().none(true))
-      .def("set_settings", &SetSettings, py::arg("values").noconvert(),
-           py::arg("mask").noconvert().none(true))
-      .def("move_robots", &MoveRobots, py::arg("poses").noconvert(),
-           py::arg("mask").noconvert().none(true))
+      .def("set_settings", &SetSettings, py::arg("values").noconvert(), mask)
+      .def("move_robots", &MoveRobots, py::arg("poses").noconvert(), mask)
       .def(
           "save_state",
           [](PyWorldBatch& self, int row) {
@@ -296,9 +286,8 @@ void BindWorldBatch(py::module_& m) {
             return py::bytes(self.batch.SaveState(row));
           },
           py::arg("row"))
-      .def("load_states", &LoadStates, py::arg("mask").noconvert().none(true), py::arg("states"),
-           py::arg("walls"), py::arg("chosen").noconvert(), py::arg("steps").noconvert(),
-           py::arg("out"))
+      .def("load_states", &LoadStates, mask, py::arg("states"), py::arg("walls"),
+           py::arg("chosen").noconvert(), py::arg("steps").noconvert(), py::arg("out"))
       .def("observe", &Observe, py::arg("out"))
       .def(
           "replace",
@@ -314,19 +303,11 @@ void BindWorldBatch(py::module_& m) {
             self.batch.SetWalls(row, walls ? walls->walls : nullptr);
           },
           py::arg("row"), py::arg("walls"))
-      .def("scatter", &Scatter, py::arg("crowd"), py::arg("keys").noconvert(),
-           py::arg("mask").noconvert().none(true))
-      .def("seed", &Seed<PyCrowd>, py::arg("owner"), py::arg("keys").noconvert(),
-           py::arg("mask").noconvert().none(true))
-      .def("seed", &Seed<PyDrive>, py::arg("owner"), py::arg("keys").noconvert(),
-           py::arg("mask").noconvert().none(true))
-      .def("seed", &Seed<PyAckermann>, py::arg("owner"), py::arg("keys").noconvert(),
-           py::arg("mask").noconvert().none(true))
-      .def("seed", &Seed<PyTricycle>, py::arg("owner"), py::arg("keys").noconvert(),
-           py::arg("mask").noconvert().none(true))
-      .def("motions", &GetMotions, py::arg("bodies"), py::arg("mask").noconvert().none(true))
+      .def("scatter", &Scatter, py::arg("crowd"), keys, mask)
+      .def("seed", &Seed, py::arg("owner"), keys, mask)
+      .def("motions", &GetMotions, py::arg("bodies"), mask)
       .def("set_velocities", &SetVelocities, py::arg("bodies"), py::arg("velocities").noconvert(),
-           py::arg("mask").noconvert().none(true));
+           mask);
 }
 
 }  // namespace flatland

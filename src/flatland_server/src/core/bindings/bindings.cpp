@@ -36,10 +36,8 @@ int StepUntilContact(PyWorld& self, double dt, int count) {
 py::list Touches(const PyWorld& self) {
   py::list touches;
   for (const Touch& touch : self.world->contacts().GetTouches()) {
-    py::list points;
-    for (const Vec2& point : touch.points) points.append(ToTuple(point));
     touches.append(py::make_tuple(PyFixture{self.world, touch.a}, PyFixture{self.world, touch.b},
-                                  points, ToTuple(touch.normal)));
+                                  touch.points, touch.normal));
   }
   return touches;
 }
@@ -71,10 +69,10 @@ void BindWorld(py::module_& m) {
           py::arg("segments"), py::arg("layers"), py::arg("progress") = py::none())
       .def(
           "add_body",
-          [](PyWorld& self, const std::string& type, const Triple& pose, double linear_damping,
+          [](PyWorld& self, const std::string& type, const Pose& pose, double linear_damping,
              double angular_damping) {
-            return PyBody{self.world, self.world->AddBody({ToBodyType(type), ToPose(pose),
-                                                           linear_damping, angular_damping})};
+            return PyBody{self.world, self.world->AddBody({ToBodyType(type), pose, linear_damping,
+                                                           angular_damping})};
           },
           py::arg("type"), py::arg("pose"), py::arg("linear_damping") = 0.0,
           py::arg("angular_damping") = 0.0)
@@ -151,7 +149,6 @@ PYBIND11_MODULE(_core, m) {
   BindCrowd(m);
   BindBody(body);
   BindFixture(fixture);
-  BindFixtureChecker(m);
   BindBodyGroup(m);
   BindMessages(m);
   BindContacts(m);

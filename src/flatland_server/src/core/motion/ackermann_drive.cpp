@@ -20,7 +20,7 @@ double Lower(double a, double b) { return a > 0.0 && b > 0.0 ? std::min(a, b) : 
 
 AckermannDrive::AckermannDrive(const AckermannSettings& settings,
                                const std::array<b2RevoluteJoint*, 2>& wheels)
-    : settings_(settings), wheels_(wheels) {
+    : ActuatedDrive(settings.actuator, true), settings_(settings), wheels_(wheels) {
   settings.linear.Check();
   settings.steering.Check();
   RequireNotNegative(settings.jerk, "a jerk must be finite and not negative");
@@ -28,7 +28,6 @@ AckermannDrive::AckermannDrive(const AckermannSettings& settings,
           "the front axle must be in front of the rear axle");
   Require(settings.max_steer_angle >= 0.0 && settings.max_steer_angle < M_PI_2,
           "max_steer_angle must be from 0 to less than a right angle");
-  if (settings.actuator) actuator_ = OptionalActuator(Actuator(*settings.actuator, true));
   if (!settings.single_track) return;
   const SingleTrack& car = *settings.single_track;
   for (double value :
@@ -56,7 +55,7 @@ Fastest AckermannDrive::GetFastest() const {
   const double fastest =
       std::max(std::abs(speed()), settings_.linear.Limited(std::abs(command_.speed)));
   const double angle = std::max(std::abs(steer_angle()), std::abs(command_.steer_angle));
-  return {fastest,
+  return {fastest * fastest,
           std::max(std::abs(slip_.yaw_rate), fastest * std::tan(angle) / settings_.wheelbase)};
 }
 
@@ -65,8 +64,7 @@ void AckermannDrive::Reset() {
   command_.steer_angle = steering_.angle = steer_angle();
   speed_ = acceleration_ = steering_.rate = 0.0;
   slip_ = {};
-  motion_ = {};
-  if (actuator_) actuator_->Reset();
+  Stop();
 }
 
 VelocityChange AckermannDrive::ChangeSpeed(double target, double dt) {
@@ -201,8 +199,7 @@ void AckermannDrive::BeginStep(b2Body& body, double dt) {
     const Vec2 arc = ArcOf({moved.x, moved.y, std::clamp(moved.yaw, -3.0, 3.0)});
     mean = {arc.x / dt, arc.y / dt, moved.yaw / dt};
   }
-  if (actuator_) actuator_->Roll(mean);
-  motion_.Begin(body, mean, dt, actuator_.grip());
+  Begin(body, mean, dt);
 }
 
 void AckermannDrive::EndStep(b2Body& body) {

@@ -8,8 +8,7 @@
 #include <optional>
 
 #include "base/geometry.hpp"
-#include "motion/actuator.hpp"
-#include "motion/arc_motion.hpp"
+#include "motion/actuated_drive.hpp"
 #include "motion/dynamics_limits.hpp"
 #include "motion/steering.hpp"
 
@@ -49,7 +48,7 @@ struct AckermannCommand {
 
 /// The drive of one body, the origin of which is in the middle of the rear axle, with x forwards.
 /// The speed is that of the rear axle or, with slip, of the centre of mass.
-class AckermannDrive {
+class AckermannDrive : public ActuatedDrive {
  public:
   /// Tyres slip when the car drives forwards at this speed or faster [m/s]. Otherwise they roll:
   /// the equations of slip are singular at rest, and unstable backwards.
@@ -73,22 +72,15 @@ class AckermannDrive {
   double slip_angle() const { return slip_.angle; }
   /// Sets all velocities and the commanded speed to zero at once; the steering angle stays.
   void Reset();
-  /// To be called when the body was moved.
-  void Rebase() { motion_.Rebase(); }
-  OptionalActuator& actuator() { return actuator_; }
-  /// The greatest speed [m/s] and yaw rate [rad/s] that the body may have in the next step.
+  /// The greatest speed and yaw rate that the body may have in the next step.
   Fastest GetFastest() const;
-  /// Seeds the noise of the actuators anew.
-  void Seed(uint64_t key) {
-    if (actuator_) actuator_->Seed(key);
-  }
 
   /// Must be called when `other` replaces a joint, or when a joint is destroyed (`other` is null).
   void Replace(const b2Joint* joint, b2Joint* other) {
     for (b2RevoluteJoint*& each : wheels_) {
       if (joint == each) each = static_cast<b2RevoluteJoint*>(other);
     }
-    if (actuator_) actuator_->Replace(joint, other);
+    ActuatedDrive::Replace(joint, other);
   }
   /// Copies everything but the joints of another drive.
   void TakeMotion(const AckermannDrive& other) {
@@ -112,28 +104,20 @@ class AckermannDrive {
   /// Calls `visit` with each member that steps change and that can be copied byte by byte.
   template <class Visit>
   void ForEachPart(Visit visit) {
-    visit(command_);
-    visit(speed_);
-    visit(acceleration_);
-    visit(steering_);
-    visit(slip_);
-    visit(motion_);
+    visit(command_, speed_, acceleration_, steering_, slip_, motion_);
     if (actuator_) actuator_->ForEachPart(visit);
   }
   /// Calls `visit` with each setting.
   template <class Visit>
   void ForEachSetting(Visit visit) {
-    visit(settings_.wheelbase);
-    visit(settings_.max_steer_angle);
+    visit(settings_.wheelbase, settings_.max_steer_angle);
     settings_.linear.ForEachSetting(visit);
     visit(settings_.jerk);
     settings_.steering.ForEachSetting(visit);
     if (settings_.single_track) {
       SingleTrack& car = *settings_.single_track;
-      for (double* each : {&car.mass, &car.inertia, &car.center_of_mass, &car.height, &car.friction,
-                           &car.front_stiffness, &car.rear_stiffness}) {
-        visit(*each);
-      }
+      visit(car.mass, car.inertia, car.center_of_mass, car.height, car.friction,
+            car.front_stiffness, car.rear_stiffness);
     }
     if (actuator_) actuator_->ForEachSetting(visit);
   }
@@ -166,8 +150,6 @@ class AckermannDrive {
   double acceleration_ = 0.0;  // likewise; with a limit of the jerk [m/s^2]
   SteeringState steering_;     // likewise
   Slip slip_;
-  ArcMotion motion_;
-  OptionalActuator actuator_;
 };
 
 }  // namespace flatland

@@ -122,9 +122,7 @@ class Actuator {
   template <class Visit>
   void ForEachSetting(Visit visit) {
     for (AxisSettings* axis : {&settings_.linear, &settings_.angular}) {
-      for (double* each : {&axis->delay, &axis->time_constant, &axis->dead_band, &axis->noise}) {
-        visit(*each);
-      }
+      visit(axis->delay, axis->time_constant, axis->dead_band, axis->noise);
     }
     visit(settings_.command_timeout);
     settings_.force.ForEachSetting(visit);

@@ -13,10 +13,9 @@ bool IsZero(const Twist& twist) { return twist.vx == 0.0 && twist.vy == 0.0 && t
 
 BodyDrive::BodyDrive(const DynamicsLimits& linear, const DynamicsLimits& angular,
                      const std::optional<ActuatorSettings>& actuator)
-    : linear_(linear), angular_(angular) {
+    : ActuatedDrive(actuator, false), linear_(linear), angular_(angular) {
   linear.Check();
   angular.Check();
-  if (actuator) actuator_ = OptionalActuator(Actuator(*actuator, false));
 }
 
 void BodyDrive::Command(const Twist& target) {
@@ -36,8 +35,7 @@ Fastest BodyDrive::GetFastest() const {
 void BodyDrive::Reset() {
   target_ = {};
   velocity_ = {};
-  motion_ = {};
-  if (actuator_) actuator_->Reset();
+  Stop();
 }
 
 void BodyDrive::BeginStep(b2Body& body, double dt) {
@@ -51,8 +49,7 @@ void BodyDrive::BeginStep(b2Body& body, double dt) {
   velocity_ = {planar.reached.x, planar.reached.y, rotating.reached.x};
   if (actuator_) actuator_->Follow(planar, rotating, dt);
   const Twist mean{planar.mean.x, planar.mean.y, rotating.mean.x};
-  if (actuator_) actuator_->Roll(mean);
-  motion_.Begin(body, mean, dt, actuator_.grip());
+  Begin(body, mean, dt);
 }
 
 void BodyDrive::EndStep(b2Body& body) {

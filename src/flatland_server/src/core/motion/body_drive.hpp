@@ -7,15 +7,14 @@
 #include <optional>
 
 #include "base/geometry.hpp"
-#include "motion/actuator.hpp"
-#include "motion/arc_motion.hpp"
+#include "motion/actuated_drive.hpp"
 #include "motion/dynamics_limits.hpp"
 
 namespace flatland {
 
 /// The drive of one body. Velocities are those of the body's origin, in the body's frame
 /// [m/s, m/s, rad/s].
-class BodyDrive {
+class BodyDrive : public ActuatedDrive {
  public:
   BodyDrive() = default;
   /// `linear` limits the length of the planar velocity [m/s, m/s^2], `angular` the yaw rate
@@ -30,22 +29,10 @@ class BodyDrive {
   const Twist& target() const { return target_; }
   /// The present velocity, on its way to the target.
   const Twist& velocity() const { return actuator_ ? actuator_->velocity() : velocity_; }
-  OptionalActuator& actuator() { return actuator_; }
   /// The greatest speed and yaw rate that it may have in the next step.
   Fastest GetFastest() const;
   /// Sets the velocity and the target to zero at once.
   void Reset();
-  /// To be called when the body was moved.
-  void Rebase() { motion_.Rebase(); }
-  /// Seeds the noise of the actuators anew.
-  void Seed(uint64_t key) {
-    if (actuator_) actuator_->Seed(key);
-  }
-
-  /// Must be called when `other` replaces a joint, or when a joint is destroyed (`other` is null).
-  void Replace(const b2Joint* joint, b2Joint* other) {
-    if (actuator_) actuator_->Replace(joint, other);
-  }
 
   /// Sets the body's velocity for the next step of `dt` [s].
   void BeginStep(b2Body& body, double dt);
@@ -60,9 +47,7 @@ class BodyDrive {
   /// Calls `visit` with each member that steps change and that can be copied byte by byte.
   template <class Visit>
   void ForEachPart(Visit visit) {
-    visit(target_);
-    visit(velocity_);
-    visit(motion_);
+    visit(target_, velocity_, motion_);
     if (actuator_) actuator_->ForEachPart(visit);
   }
   /// Calls `visit` with each setting.
@@ -77,9 +62,7 @@ class BodyDrive {
   DynamicsLimits linear_;
   DynamicsLimits angular_;
   Twist target_;
-  Twist velocity_;  // within the limits
-  ArcMotion motion_;
-  OptionalActuator actuator_;
+  Twist velocity_;        // within the limits
   bool is_idle_ = false;  // the body sleeps and is not to move: this step is skipped
 };
 

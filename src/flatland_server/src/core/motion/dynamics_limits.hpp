@@ -30,9 +30,7 @@ struct DynamicsLimits {
   /// Calls `visit` with each number.
   template <class Visit>
   void ForEachSetting(Visit visit) {
-    visit(acceleration);
-    visit(deceleration);
-    visit(velocity);
+    visit(acceleration, deceleration, velocity);
   }
   /// A speed or rate, clamped to the velocity limit.
   double Limited(double speed) const {

@@ -18,9 +18,7 @@ struct ForceLimits {
   /// Calls `visit` with each number.
   template <class Visit>
   void ForEachSetting(Visit visit) {
-    visit(max_force);
-    visit(max_torque);
-    visit(friction);
+    visit(max_force, max_torque, friction);
   }
 };
 
@@ -62,8 +60,7 @@ class Grip {
   }
   template <class Visit>
   void ForEachPart(Visit visit) {
-    visit(slips_);
-    visit(spins_);
+    visit(slips_, spins_);
   }
   template <class Visit>
   void ForEachSetting(Visit visit) {

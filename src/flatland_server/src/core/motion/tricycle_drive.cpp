@@ -7,7 +7,7 @@
 namespace flatland {
 
 TricycleDrive::TricycleDrive(const TricycleSettings& settings, b2RevoluteJoint* front_wheel)
-    : settings_(settings), front_wheel_(front_wheel) {
+    : ActuatedDrive(settings.actuator, true), settings_(settings), front_wheel_(front_wheel) {
   settings.linear.Check();
   settings.steering.Check();
   RequirePosition(settings.rear_axle);
@@ -15,7 +15,6 @@ TricycleDrive::TricycleDrive(const TricycleSettings& settings, b2RevoluteJoint* 
   wheelbase_ = std::hypot(settings.rear_axle.x, settings.rear_axle.y);
   Require(wheelbase_ >= 1e-3, "the rear axle must be apart from the front wheel");
   heading_ = std::atan2(-settings.rear_axle.y, -settings.rear_axle.x);
-  if (settings.actuator) actuator_ = OptionalActuator(Actuator(*settings.actuator, true));
 }
 
 void TricycleDrive::Command(double speed, double angle) {
@@ -38,8 +37,7 @@ void TricycleDrive::Reset() {
   target_speed_ = speed_ = 0.0;
   target_angle_ = steering_.angle = steer_angle();
   steering_.rate = 0.0;
-  motion_ = {};
-  if (actuator_) actuator_->Reset();
+  Stop();
 }
 
 // The rear axle does not slip sideways: with the front wheel rolling at v and angle d, and the
@@ -63,8 +61,7 @@ void TricycleDrive::BeginStep(b2Body& body, double dt) {
     actuator_->Follow(rolling, none, dt);
   }
   const Twist mean = TwistAt(rolling.mean.x, halfway);
-  if (actuator_) actuator_->Roll(mean);
-  motion_.Begin(body, mean, dt, actuator_.grip());
+  Begin(body, mean, dt);
 }
 
 void TricycleDrive::EndStep(b2Body& body) {

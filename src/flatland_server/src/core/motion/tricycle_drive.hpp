@@ -8,8 +8,7 @@
 #include <optional>
 
 #include "base/geometry.hpp"
-#include "motion/actuator.hpp"
-#include "motion/arc_motion.hpp"
+#include "motion/actuated_drive.hpp"
 #include "motion/dynamics_limits.hpp"
 #include "motion/steering.hpp"
 
@@ -25,7 +24,7 @@ struct TricycleSettings {
 
 /// The drive of one body. The front wheel rolls in its own direction, and the rear axle does not
 /// slip sideways. Forward is from the rear axle to the front wheel.
-class TricycleDrive {
+class TricycleDrive : public ActuatedDrive {
  public:
   TricycleDrive() = default;
   /// `front_wheel` is the joint that holds the front wheel's body, which is rotated to show the
@@ -40,24 +39,17 @@ class TricycleDrive {
   double speed() const { return actuator_ ? actuator_->velocity().vx : speed_; }
   /// Present steering angle [rad], positive to the left.
   double steer_angle() const { return actuator_ ? actuator_->velocity().omega : steering_.angle; }
-  OptionalActuator& actuator() { return actuator_; }
   /// The greatest speed and yaw rate that it may have in the next step.
   Fastest GetFastest() const;
   /// Sets the speed, the steering rate and the commanded speed to zero at once; the steering angle
   /// stays.
   void Reset();
-  /// To be called when the body was moved.
-  void Rebase() { motion_.Rebase(); }
-  /// Seeds the noise of the actuators anew.
-  void Seed(uint64_t key) {
-    if (actuator_) actuator_->Seed(key);
-  }
 
   /// Must be called when `other` replaces a joint, or when a joint is destroyed (`other` is null).
   /// Without its joint, the front wheel is not rotated any more.
   void Replace(const b2Joint* joint, b2Joint* other) {
     if (joint == front_wheel_) front_wheel_ = static_cast<b2RevoluteJoint*>(other);
-    if (actuator_) actuator_->Replace(joint, other);
+    ActuatedDrive::Replace(joint, other);
   }
 
   /// Copies everything but the joint of another drive.
@@ -81,11 +73,7 @@ class TricycleDrive {
   /// Calls `visit` with each member that steps change and that can be copied byte by byte.
   template <class Visit>
   void ForEachPart(Visit visit) {
-    visit(target_speed_);
-    visit(target_angle_);
-    visit(speed_);
-    visit(steering_);
-    visit(motion_);
+    visit(target_speed_, target_angle_, speed_, steering_, motion_);
     if (actuator_) actuator_->ForEachPart(visit);
   }
   /// Calls `visit` with each setting but the place of the rear axle.
@@ -110,8 +98,6 @@ class TricycleDrive {
   double target_angle_ = 0.0;  // [rad]
   double speed_ = 0.0;         // within the limits [m/s]
   SteeringState steering_;     // likewise
-  ArcMotion motion_;
-  OptionalActuator actuator_;
 
   /// Of the last `TwistAt`; a tricycle seldom steers.
   struct {

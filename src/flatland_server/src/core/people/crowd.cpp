@@ -24,6 +24,12 @@ constexpr double kSides[] = {1.0, -1.0};         // of the legs: 1 is the left
 
 Vec2 PointOf(const Pose& pose) { return {pose.x, pose.y}; }
 
+/// True for the body of a person, and for those that go along with it.
+bool Has(const PersonSettings& person, Bodies::Body body) {
+  return person.body == body || person.circle == body ||
+         std::find(person.legs.begin(), person.legs.end(), body) != person.legs.end();
+}
+
 b2Body& BodyOf(Bodies& bodies, Bodies::Body handle) { return *bodies.Get(handle).body; }
 
 /// Gives a body the velocity that leads to a point [m] in `dt` [s].
@@ -82,16 +88,11 @@ void Crowd::Add(const PersonSettings& person) {
 }
 
 void Crowd::RemoveBody(Bodies::Body body) {
-  for (size_t i = 0; i < people_.size(); ++i) {
-    const PersonSettings& person = people_[i];
-    const auto is_gone = [&](Bodies::Body own) { return own.index == body.index; };
-    if (is_gone(person.body) || (person.circle && is_gone(*person.circle)) ||
-        std::any_of(person.legs.begin(), person.legs.end(), is_gone)) {
-      people_.erase(people_.begin() + static_cast<std::ptrdiff_t>(i));
-      progress_.erase(progress_.begin() + static_cast<std::ptrdiff_t>(i));
-      return;
-    }
-  }
+  const auto gone = std::find_if(people_.begin(), people_.end(),
+                                 [&](const auto& person) { return Has(person, body); });
+  if (gone == people_.end()) return;
+  progress_.erase(progress_.begin() + (gone - people_.begin()));
+  people_.erase(gone);
 }
 
 void Crowd::Follow(size_t person, Vec2 point, Vec2 velocity) {
@@ -175,11 +176,8 @@ void Crowd::Update(Bodies& bodies, const Layers& layers, double dt) {
 void Crowd::FindOthers(const Bodies& bodies) {
   if (others_revision_ == bodies.structure_revision()) return;
   others_ = FindOutlines(bodies, settings_.layers, [this](Bodies::Body body) {
-    const auto is_own = [&](Bodies::Body own) { return own.index == body.index; };
-    return std::any_of(people_.begin(), people_.end(), [&](const PersonSettings& person) {
-      return is_own(person.body) || (person.circle && is_own(*person.circle)) ||
-             std::any_of(person.legs.begin(), person.legs.end(), is_own);
-    });
+    return std::any_of(people_.begin(), people_.end(),
+                       [&](const auto& person) { return Has(person, body); });
   });
   others_revision_ = bodies.structure_revision();
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/to_box2d.hpp"
 #include "people/crowd.hpp"
 #include "people/obstacles.hpp"
 #include "world/layers.hpp"
@@ -85,7 +86,7 @@ bool Crowd::Scatter(Bodies& bodies, const Layers& layers) {
     if (people_[i].recording) Replay(i, bodies);
     if (people_[i].area) continue;
     const b2Vec2 point = bodies.Get(people_[i].body).body->GetPosition();
-    taken.push_back({{point.x, point.y}, people_[i].radius});
+    taken.push_back({FromBox2D(point), people_[i].radius});
   }
   for (size_t i = 0; i < people_.size(); ++i) {
     const PersonSettings& person = people_[i];
@@ -96,10 +97,9 @@ bool Crowd::Scatter(Bodies& bodies, const Layers& layers) {
       });
       return !is_crowded && std::none_of(others_.begin(), others_.end(), [&](const Outline& each) {
         const b2Body& body = *each.body;
-        const b2Vec2 at = body.GetPosition();
-        const double gap =
-            each.SeenFrom(point, {at.x, at.y}, Rotation(body.GetAngle())).gap - person.radius;
-        return gap < kOthersRoom;
+        const Vec2 at = FromBox2D(body.GetPosition());
+        return each.SeenFrom(point, at, Rotation(body.GetAngle())).gap - person.radius <
+               kOthersRoom;
       });
     };
     const std::optional<Vec2> point = DrawPoint(i, layers, is_free);

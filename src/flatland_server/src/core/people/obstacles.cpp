@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/to_box2d.hpp"
+
 namespace flatland {
 namespace {
 
@@ -27,8 +29,6 @@ Vec2 Nearest(Vec2 point, Vec2 a, Vec2 b) {
   return a + part * along;
 }
 
-Vec2 ToVec2(b2Vec2 v) { return {v.x, v.y}; }
-
 }  // namespace
 
 Obstacle Outline::SeenFrom(Vec2 point, Vec2 position, const Rotation& heading) const {
@@ -42,12 +42,12 @@ Obstacle Outline::SeenFrom(Vec2 point, Vec2 position, const Rotation& heading) c
   for (const b2Shape* shape : shapes) {
     if (shape->GetType() == b2Shape::e_circle) {
       const auto& circle = static_cast<const b2CircleShape&>(*shape);
-      see(ToVec2(circle.m_p), circle.m_radius);
+      see(FromBox2D(circle.m_p), circle.m_radius);
     } else {
       const auto& polygon = static_cast<const b2PolygonShape&>(*shape);
       for (int32 i = 0; i < polygon.m_count; ++i) {
         const b2Vec2 next = polygon.m_vertices[i + 1 < polygon.m_count ? i + 1 : 0];
-        see(Nearest(local, ToVec2(polygon.m_vertices[i]), ToVec2(next)), 0.0);
+        see(Nearest(local, FromBox2D(polygon.m_vertices[i]), FromBox2D(next)), 0.0);
       }
     }
   }

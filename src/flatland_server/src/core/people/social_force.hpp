@@ -82,6 +82,4 @@ struct SocialForce {
   double ScatterAfter(double dt) const;
 };
 
-inline double LengthOf(Vec2 vector) { return std::sqrt(Dot(vector, vector)); }
-
 }  // namespace flatland

@@ -173,9 +173,8 @@ void Lidars::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& s
   }
   const auto is_ignored = [&](const b2Fixture& fixture) {
     const Bodies::Body body = bodies_.HandleOf(const_cast<b2Body&>(*fixture.GetBody()));
-    return std::any_of(settings.ignored.begin(), settings.ignored.end(), [&](auto each) {
-      return each.index == body.index && each.generation == body.generation;
-    });
+    return std::find(settings.ignored.begin(), settings.ignored.end(), body) !=
+           settings.ignored.end();
   };
   const Vec2 origin{pose.x, pose.y};
   const Rotation rotation(pose.yaw);

@@ -72,9 +72,7 @@ class Lidars {
   void ForEachSetting(Visit visit) {
     lidars_.ForEach([&](auto, Mounted<Lidar>& mounted) {
       auto& [fan, pose, scan] = mounted.mechanism.settings;
-      for (double* each : {&pose.x, &pose.y, &pose.yaw, &scan.range, &scan.range_min}) {
-        visit(*each);
-      }
+      visit(pose.x, pose.y, pose.yaw, scan.range, scan.range_min);
     });
   }
   /// The number of beams of a lidar.

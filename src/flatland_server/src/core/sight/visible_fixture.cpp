@@ -25,7 +25,7 @@ double BoundingRadius(const b2Shape& shape) {
   for (int i = 0; i < polygon.m_count; ++i) {
     const Vec2 arm{double{polygon.m_vertices[i].x} - polygon.m_centroid.x,
                    double{polygon.m_vertices[i].y} - polygon.m_centroid.y};
-    radius = std::max(radius, std::sqrt(Dot(arm, arm)));
+    radius = std::max(radius, LengthOf(arm));
   }
   return radius;
 }

@@ -75,7 +75,6 @@ struct Buckets {
   std::array<int, kBuckets + 2> before;
 };
 
-double Length(Vec2 v) { return std::sqrt(Dot(v, v)); }
 bool IsAt(Vec2 a, Vec2 b) { return a.x == b.x && a.y == b.y; }
 /// True if a point is to the left of the line from a to b, by more than rounding errors.
 bool IsLeftOf(Vec2 a, Vec2 b, Vec2 point) {
@@ -86,7 +85,7 @@ bool IsLeftOf(Vec2 a, Vec2 b, Vec2 point) {
 /// The distance of the wall from a to b from the origin.
 double DistanceOf(Vec2 a, Vec2 b) {
   const Vec2 along = b - a;
-  return Length(a + std::clamp(-Dot(a, along) / Dot(along, along), 0.0, 1.0) * along);
+  return LengthOf(a + std::clamp(-Dot(a, along) / Dot(along, along), 0.0, 1.0) * along);
 }
 
 class Finder {
@@ -96,7 +95,7 @@ class Finder {
     walls_ = &walls;
     corners_ = &corners;
     center_ = 0.5 * (box.low + box.high);
-    radius_ = 0.5 * kLarger * Length(box.high - box.low);
+    radius_ = 0.5 * kLarger * LengthOf(box.high - box.low);
     lists_.MakeRoomFor(walls);
     horizon_.Begin(kBuckets);
     inverse_.assign(kBuckets, 0.0);
@@ -200,13 +199,13 @@ class Finder {
   void Trace(uint32_t end, double side, int boundary, Trail& trail) {
     Vec2 from = PointOf(Corners::OtherEnd(end));
     double place = Buckets::Of(from), farthest = place;
-    double far = Length(from), back = 0.0, back_to_vertex = 0.0;
+    double far = LengthOf(from), back = 0.0, back_to_vertex = 0.0;
     trail.samples.clear();
     trail.vertices.assign(1, {place, from, 0.0});
     detour_.clear();
     do {
       const Vec2 to = PointOf(end);
-      const double most = std::max(Length(from), Length(to));
+      const double most = std::max(LengthOf(from), LengthOf(to));
       place += Turn(from, to);
       const bool leads_on = side * (place - farthest) > kLeastTurn;
       if (!leads_on || !detour_.empty()) {
@@ -224,7 +223,7 @@ class Finder {
             SampleAt(boundary, usable, std::max(far, usable), std::exchange(back, 0.0)));
         far = usable;
       }
-      far = std::max(far, Length(to));
+      far = std::max(far, LengthOf(to));
       from = to;
       if (leads_on) {
         farthest = place;
@@ -272,7 +271,7 @@ class Finder {
     const double turned = std::floor((vertices_[begin].place - kLeastTurn) / kBuckets) * kBuckets;
     for (size_t i = begin; i < vertices_.size(); ++i) {
       vertices_[i].place -= turned;
-      nearest = std::min(nearest, Length(vertices_[i].point));
+      nearest = std::min(nearest, LengthOf(vertices_[i].point));
     }
     chains_.push_back({begin, vertices_.size(), vertices_[begin].place - kLeastTurn,
                        vertices_.back().place + kLeastTurn, nearest});
@@ -304,7 +303,7 @@ class Finder {
     if (!IsOutside(right, left)) return false;
     if (Turn(right, left) < 0.0) std::swap(right, left);
     const double place = Buckets::Of(right), turn = Turn(right, left);
-    const double farthest = std::max(Length(right), Length(left));
+    const double farthest = std::max(LengthOf(right), LengthOf(left));
     comparisons_ += chains_.size();
     for (Chain& chain : chains_) {
       const double from = place < chain.from ? place + kBuckets : place;
@@ -346,7 +345,7 @@ class Finder {
     const auto is_past = [&](Vec2 point, const Vertex* corner, double side) {
       const double cross = side * Cross(corner->point, point);
       return IsAt(point, corner->point) ||
-             cross > kLarger * radius_ * Length(point - corner->point);
+             cross > kLarger * radius_ * LengthOf(point - corner->point);
     };
     while (!is_past(a, i, 1.0) || !is_past(b, i, 1.0)) {
       if (i == begin) return false;

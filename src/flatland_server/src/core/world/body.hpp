@@ -32,6 +32,11 @@ struct BodyRecord {
     struct Block {
       uint32_t layer = 0;
       uint32_t number = 0;
+
+      template <class Archive>
+      void Serialize(Archive& archive) {
+        archive(layer, number);
+      }
     };
 
     bool is_current = false;      // false: they must be looked up again

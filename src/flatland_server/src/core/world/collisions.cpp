@@ -4,14 +4,6 @@
 #include <utility>
 
 namespace flatland {
-namespace {
-
-bool AreEqual(Fixture one, Fixture other) {
-  return one.body.index == other.body.index && one.body.generation == other.body.generation &&
-         one.index == other.index;
-}
-
-}  // namespace
 
 void Collisions::Restore(Collision collision) {
   const auto known = Find(collision.a, collision.b);
@@ -64,9 +56,8 @@ void Collisions::EndStep(double dt) {
 }
 
 std::vector<Collision>::iterator Collisions::Find(Fixture a, Fixture b) {
-  return std::find_if(present_.begin(), present_.end(), [&](const Collision& each) {
-    return AreEqual(each.a, a) && AreEqual(each.b, b);
-  });
+  return std::find_if(present_.begin(), present_.end(),
+                      [&](const Collision& each) { return each.a == a && each.b == b; });
 }
 
 bool Collisions::Lasts(const Collision& collision) const {

@@ -34,9 +34,9 @@ void RequireMaterial(const FixtureSettings& settings) {
   RequireNotNegative(settings.restitution, "restitution must be finite and not negative");
 }
 
-b2MassData ComputeMass(const b2Shape& shape, const FixtureSettings& settings) {
+b2MassData ComputeMass(const b2Shape& shape, double density) {
   b2MassData mass;
-  shape.ComputeMass(&mass, static_cast<float>(settings.density));
+  shape.ComputeMass(&mass, static_cast<float>(density));
   return mass;
 }
 
@@ -62,22 +62,6 @@ b2MassData MassSum::ToBox2D() const {
   data.I = static_cast<float>(inertia_);
   data.center = mass_ > 0.0 ? flatland::ToBox2D((1.0 / mass_) * moment_) : b2Vec2_zero;
   return data;
-}
-
-void FixtureChecker::AddCircle(Vec2 center, double radius, const FixtureSettings& settings) {
-  Add(MakeCircle(center, radius), settings);
-}
-
-void FixtureChecker::AddPolygon(const std::vector<Vec2>& vertices,
-                                const FixtureSettings& settings) {
-  Add(MakePolygon(vertices), settings);
-}
-
-void FixtureChecker::Add(const b2Shape& shape, const FixtureSettings& settings) {
-  RequireMaterial(settings);
-  if (body_type_ != b2_dynamicBody) return;
-  const MassSum sum = mass_.With(ComputeMass(shape, settings));
-  if (settings.density != 0.0) mass_ = sum;
 }
 
 }  // namespace flatland

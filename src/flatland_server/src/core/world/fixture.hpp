@@ -3,9 +3,7 @@
 /// Fixtures: the shapes of a body, with their material and their collision layers.
 ///
 /// Box2D asserts on some invalid shapes, which ends the process, and computes NaN from others. So
-/// every shape is checked before Box2D gets it, by the functions of this file: when a fixture is
-/// added to a body of a world, and, through FixtureChecker, when a model file is read and there is
-/// no world yet.
+/// every shape is checked before Box2D gets it, by the functions of this file.
 
 #include <box2d/box2d.h>
 
@@ -24,6 +22,8 @@ struct BodyRecord;
 struct Fixture {
   Handle<BodyRecord> body;
   uint32_t index = 0;  ///< among the body's fixtures, or a layer's walls, in the order of creation
+
+  bool operator==(const Fixture& other) const { return body == other.body && index == other.index; }
 };
 
 struct FixtureSettings {
@@ -48,7 +48,7 @@ b2PolygonShape MakePolygon(const std::vector<Vec2>& vertices);
 void RequireMaterial(const FixtureSettings& settings);
 
 /// Mass properties of a fixture, for MassSum.
-b2MassData ComputeMass(const b2Shape& shape, const FixtureSettings& settings);
+b2MassData ComputeMass(const b2Shape& shape, double density);
 
 /// Throws std::invalid_argument with the message unless a body of this mass has a positive moment
 /// of inertia about its centre of mass, which Box2D asserts: rounding may leave none.
@@ -70,24 +70,6 @@ class MassSum {
   double mass_ = 0.0;     // [kg]
   double inertia_ = 0.0;  // about the body's origin [kg m^2]
   Vec2 moment_;           // of mass, about the body's origin [kg m]
-};
-
-/// Checks the fixtures of a body without a world.
-///
-/// Each call throws what World::AddCircle or World::AddPolygon would throw for a body that has the
-/// fixtures accepted so far. A fixture that is rejected is not remembered.
-class FixtureChecker {
- public:
-  explicit FixtureChecker(b2BodyType body_type) : body_type_(body_type) {}
-
-  void AddCircle(Vec2 center, double radius, const FixtureSettings& settings);
-  void AddPolygon(const std::vector<Vec2>& vertices, const FixtureSettings& settings);
-
- private:
-  void Add(const b2Shape& shape, const FixtureSettings& settings);
-
-  b2BodyType body_type_;
-  MassSum mass_;  // of the fixtures with a density
 };
 
 }  // namespace flatland

@@ -2,6 +2,8 @@
 
 /// Mechanisms: drives, tweens, drifts and lidars, which the core moves or reads at every step.
 
+#include <tuple>
+
 #include "base/slot_map.hpp"
 #include "motion/ackermann_drive.hpp"
 #include "motion/body_drift.hpp"
@@ -46,21 +48,16 @@ struct Mechanisms {
   MountedMap<BodyTween> tweens{"tween"};
   MountedMap<BodyDrift> drifts{"drift"};
 
-  BodyDrive& Get(Handle<Mounted<BodyDrive>> handle) { return drives.Get(handle).mechanism; }
-  TricycleDrive& Get(Handle<Mounted<TricycleDrive>> handle) {
-    return tricycles.Get(handle).mechanism;
+  /// All maps; drifts come last, since tweens move bodies.
+  auto All() { return std::tie(drives, tricycles, cars, tweens, drifts); }
+  template <class Mechanism>
+  Mechanism& Get(Handle<Mounted<Mechanism>> handle) {
+    return std::get<MountedMap<Mechanism>&>(All()).Get(handle).mechanism;
   }
-  AckermannDrive& Get(Handle<Mounted<AckermannDrive>> handle) { return cars.Get(handle).mechanism; }
-  BodyTween& Get(Handle<Mounted<BodyTween>> handle) { return tweens.Get(handle).mechanism; }
-  BodyDrift& Get(Handle<Mounted<BodyDrift>> handle) { return drifts.Get(handle).mechanism; }
-  /// Calls `visit` with each map; drifts come last, since tweens move bodies.
+  /// Calls `visit` with each map.
   template <class Visit>
   void ForEachMap(Visit visit) {
-    visit(drives);
-    visit(tricycles);
-    visit(cars);
-    visit(tweens);
-    visit(drifts);
+    std::apply([&](auto&... maps) { (visit(maps), ...); }, All());
   }
   /// Calls `visit(body, drive)` for each drive, of any type.
   template <class Visit>

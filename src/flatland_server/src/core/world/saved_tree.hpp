@@ -38,27 +38,13 @@ struct SavedTree {
 
   template <class Archive>
   void Serialize(Archive& archive) {
-    archive(root, first_free);
-    SerializeItems(archive, nodes);
-    SerializeItems(archive, moves);
+    archive(root, first_free, nodes, moves);
   }
 
   int32 root = b2_nullNode;
   int32 first_free = 0;      // node_count(): the first one that was never in use
   std::vector<Node> nodes;   // up to the last one that was ever in use
   std::vector<int32> moves;  // proxies that may have new contacts
-
- private:
-  template <class Archive, class Item>
-  static void SerializeItems(Archive& archive, std::vector<Item>& items) {
-    auto count = static_cast<uint32>(items.size());
-    archive(count);
-    if constexpr (Archive::kIsReader) {
-      if (count > archive.remaining() / sizeof(int32)) Archive::Fail();
-      items.assign(count, {});
-    }
-    for (Item& each : items) archive(each);
-  }
 };
 
 }  // namespace flatland

@@ -13,7 +13,7 @@ Setting NumberAt(double& number) {
 }
 
 /// A number that Box2D has in single precision, with its functions.
-template <class Owner, auto get, auto set>
+template <auto get, auto set, class Owner>
 Setting NumberOf(Owner& owner) {
   return {&owner,
           [](const void* object) -> double { return (static_cast<const Owner*>(object)->*get)(); },
@@ -26,25 +26,21 @@ Setting NumberOf(Owner& owner) {
 
 std::vector<Setting> SettingsOf(World& world) {
   std::vector<Setting> settings;
-  const auto add = [&](double& number) { settings.push_back(NumberAt(number)); };
+  const auto add = [&](auto&... numbers) { (settings.push_back(NumberAt(numbers)), ...); };
   world.mechanisms_.ForEachDrive([&](auto, auto& drive) { drive.ForEachSetting(add); });
   world.lidars_.ForEachSetting(add);
   world.bodies_.ForEach([&](auto, BodyRecord& record) {
     if (record.is_layer) return;
     b2Body& body = *record.body;
-    settings.push_back(
-        NumberOf<b2Body, &b2Body::GetLinearDamping, &b2Body::SetLinearDamping>(body));
-    settings.push_back(
-        NumberOf<b2Body, &b2Body::GetAngularDamping, &b2Body::SetAngularDamping>(body));
+    settings.push_back(NumberOf<&b2Body::GetLinearDamping, &b2Body::SetLinearDamping>(body));
+    settings.push_back(NumberOf<&b2Body::GetAngularDamping, &b2Body::SetAngularDamping>(body));
     for (const BodyRecord::FixtureRecord& each : record.fixtures) {
-      b2Fixture& fixture = *each.fixture;
-      settings.push_back(
-          NumberOf<b2Fixture, &b2Fixture::GetDensity, &b2Fixture::SetDensity>(fixture));
+      using F = b2Fixture;
+      F& fixture = *each.fixture;
+      settings.push_back(NumberOf<&F::GetDensity, &F::SetDensity>(fixture));
       settings.back().is_density = true;
-      settings.push_back(
-          NumberOf<b2Fixture, &b2Fixture::GetFriction, &b2Fixture::SetFriction>(fixture));
-      settings.push_back(
-          NumberOf<b2Fixture, &b2Fixture::GetRestitution, &b2Fixture::SetRestitution>(fixture));
+      settings.push_back(NumberOf<&F::GetFriction, &F::SetFriction>(fixture));
+      settings.push_back(NumberOf<&F::GetRestitution, &F::SetRestitution>(fixture));
     }
   });
   return settings;

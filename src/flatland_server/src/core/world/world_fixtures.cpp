@@ -139,7 +139,7 @@ Fixture World::AddFixture(Body handle, const b2Shape& shape, const FixtureSettin
   RequireMaterial(settings);
   const bool has_mass = body.GetType() == b2_dynamicBody;
   MassSum mass = bodies_.Get(handle).mass;
-  if (has_mass) mass = mass.With(ComputeMass(shape, settings));
+  if (has_mass) mass = mass.With(ComputeMass(shape, settings.density));
   const AccessGuard guard(*this);
   BodyRecord& record = bodies_.Get(handle);
   const auto index = static_cast<uint32_t>(record.fixtures.size());
@@ -173,11 +173,10 @@ void World::SetShape(Fixture fixture, const b2Shape& shape, std::optional<LayerB
   MassSum mass;
   std::vector<float> densities;
   for (const BodyRecord::FixtureRecord& each : record.fixtures) {
-    FixtureSettings settings;
-    settings.density = each.fixture->GetDensity();
     densities.push_back(each.fixture->GetDensity());
     const b2Shape& its_shape = each.fixture == &old ? shape : *each.fixture->GetShape();
-    if (body.GetType() == b2_dynamicBody) mass = mass.With(ComputeMass(its_shape, settings));
+    if (body.GetType() == b2_dynamicBody)
+      mass = mass.With(ComputeMass(its_shape, densities.back()));
   }
   FixtureSettings settings = GetSettings(fixture);
   settings.collides = record.fixtures[fixture.index].collides;

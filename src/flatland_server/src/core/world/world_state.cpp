@@ -263,15 +263,8 @@ void SerializeOrder(Archive& archive, std::vector<uint32_t>& order, size_t count
 template <class Archive>
 void SerializeNearby(Archive& archive, BodyRecord::Nearby& nearby,
                      const std::vector<std::unique_ptr<NearbyWalls>>& layers) {
-  archive(nearby.is_current, nearby.center, nearby.room);
-  auto count = static_cast<uint32_t>(nearby.blocks.size());
-  archive(count);
-  if constexpr (Archive::kIsReader) {
-    if (count > archive.remaining() / sizeof(uint32_t)) Archive::Fail();
-    nearby.blocks.assign(count, {});
-  }
-  for (auto& [layer, number] : nearby.blocks) {
-    archive(layer, number);
+  archive(nearby.is_current, nearby.center, nearby.room, nearby.blocks);
+  for (const auto& [layer, number] : nearby.blocks) {
     if (layer >= layers.size() || !layers[layer]->IsBlock(number)) Reader::Fail();
   }
 }
@@ -349,15 +342,9 @@ void WorldState::Serialize(Archive& archive, const World& world) {
     archive.Same(joint->GetType(), "the type of a joint");
     archive(joints[joint_index++]);
   });
-  auto count = static_cast<uint32_t>(contacts.size());
-  archive(count);
+  archive(contacts);
   if constexpr (Archive::kIsReader) {
-    if (count > archive.remaining() / sizeof(ContactState::End)) Archive::Fail();
-    contacts.assign(count, {});
-  }
-  for (ContactState& contact : contacts) {
-    archive(contact);
-    if constexpr (Archive::kIsReader) {
+    for (const ContactState& contact : contacts) {
       bool with_sensor = false;
       for (const ContactState::End& end : {contact.a, contact.b}) {
         if (end.body >= records.size()) Archive::Fail();

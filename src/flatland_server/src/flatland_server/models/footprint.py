@@ -77,14 +77,14 @@ class Footprint:
 
     @classmethod
     def read(
-        cls, reader: YamlReader, registry: CollisionFilterRegistry, checker: _core.FixtureChecker
+        cls, reader: YamlReader, registry: CollisionFilterRegistry, checker: _core.Body
     ) -> "Footprint":
         """Reads an entry.
 
         Args:
             reader: the entry.
             registry: the layers that footprints may name.
-            checker: checker that has the body's previous footprints.
+            checker: a body in a world of its own, with the previous footprints of the read body.
 
         Raises:
             YamlError: something in it is wrong, or Box2D cannot take the shape.
@@ -154,7 +154,7 @@ class Footprint:
             raise UsageError(f"expected a Circle or a Polygon, found {shown(shape)}")
         keys.update(density=self.density, layers=self.layers if layers is None else layers)
         reader = YamlReader(to_node(keys, model, path), path)
-        read = self.read(reader, registry, _core.FixtureChecker("static"))
+        read = self.read(reader, registry, _core.World().add_body("static", (0.0, 0.0, 0.0)))
         changes: Dict[str, Any] = {"shape": read.shape} if shape_given else {}
         if layers is not None:
             changes.update(layers=read.layers, layer_bits=read.layer_bits)
@@ -174,11 +174,11 @@ class Footprint:
         else:
             fixture.set_polygon(self.shape.vertices, layers=self.layer_bits)
 
-    def attach(self, body: Union[_core.Body, _core.FixtureChecker]) -> None:
-        """Adds this shape, with its material, to a body, or checks whether a body can have it.
+    def attach(self, body: _core.Body) -> None:
+        """Adds this shape, with its material, to a body.
 
         Args:
-            body: body that gets the shape, or a checker.
+            body: body that gets the shape.
 
         Raises:
             ValueError: Box2D cannot represent the shape.

@@ -48,7 +48,7 @@ class BodyConfig:
             YamlError: something in it is wrong.
         """
         body_type = reader.get_choice("type", BODY_TYPES, "dynamic")
-        checker = _core.FixtureChecker(body_type)
+        checker = _core.World().add_body(body_type, Pose())
         body = cls(
             name=reader.get_name("name"),
             pose=reader.get_pose("pose", Pose()),
