@@ -323,7 +323,7 @@ def test_a_plot_is_in_metres(simulation, files):
 
 
 def test_a_plot_without_matplotlib_is_an_error(simulation, files, monkeypatch):
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
 
     with Simulation(files.folder / "world.yaml") as sim, pytest.raises(
         FlatlandError, match="pip install matplotlib"
