@@ -1,5 +1,7 @@
 /// BeamFan and Lidar in Python, and scans from any pose. They release the GIL.
 
+#include <algorithm>
+
 #include "bindings/bindings.hpp"
 #include "bindings/fast_method.hpp"
 
@@ -26,8 +28,11 @@ const Lidar& ScanReleased(PyLidar& self, const World::AccessGuard& guard) {
   return self.world->lidars().Scan(self.handle, guard);
 }
 
+/// Copied here, since NumPy's own copy would release the GIL, and cost more than a small scan.
 Array<float> CopyOf(const std::vector<float>& values) {
-  return Array<float>(static_cast<py::ssize_t>(values.size()), values.data());
+  Array<float> array(static_cast<py::ssize_t>(values.size()));
+  std::copy(values.begin(), values.end(), array.mutable_data());
+  return array;
 }
 
 // The guards are held until the arrays are copied: as soon as they are released, another thread may
