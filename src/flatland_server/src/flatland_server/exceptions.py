@@ -208,7 +208,7 @@ class UnknownArgumentError(UsageError, TypeError):
 
 
 def shortened(found: object, longest: int = 80) -> str:
-    """What was found, mostly text, as one line of at most `longest` characters, for a message."""
+    """A found value, mostly text, as one line of at most `longest` characters, for messages."""
     line = " ".join(str(found).split())
     return line if len(line) <= longest else f"{line[: longest - 3]}..."
 

@@ -73,7 +73,7 @@ summarised nor compared.
 """
 
 SUMMARISED = {name: metric for name, metric in METRICS.items() if metric is not None}
-"""Those that are summarised, by the names of their columns."""
+"""The metrics that are summarised, by the names of their columns."""
 
 
 def barn_score(success: bool, shortest: float, time: float, top_speed: float) -> float:

@@ -1,4 +1,4 @@
-"""How transforms are sent: those of a step as one message on a topic `tf`, and `/tf_static`.
+"""The senders of transforms: all of a step in one message on a topic `tf`, and `/tf_static`.
 
 A transport has a `TransformQueue` for /tf. A node in a namespace may have a topic of its own, see
 `Transport.tf_by_namespace`. ROS keeps one message of a node for later subscribers of a topic,
