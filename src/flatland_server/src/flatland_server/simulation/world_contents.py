@@ -2,6 +2,8 @@
 
 from typing import Dict, List, Mapping, Optional
 
+import numpy as np
+
 from flatland_server import _core
 from flatland_server.arrays import Segments
 from flatland_server.exceptions import ModelError, Problem, StateError, YamlError
@@ -55,7 +57,7 @@ class AddedObjects:
     def add_walls(self, layer: int, segments: Segments) -> None:
         """Records walls of a layer that no rebuild of the world or of a model adds again."""
         self._count += 1
-        self.walls.append(WallsState(self._count, layer, segments.copy()))
+        self.walls.append(WallsState(self._count, layer, np.array(segments)))
 
     def states_of(self, models: Mapping[str, Model]) -> List[ModelState]:
         """The states of the models that exist, in the order in which they were added.

@@ -133,10 +133,10 @@ class WorldState:
             poses = [*(each.pose for each in state.models), *state.layout.values()]
             if not 0 <= state.nanoseconds <= _LATEST or any(len(pose) != 3 for pose in poses):
                 raise ValueError("expected a time of 0 to 1e9 s, and poses of three numbers")
-            walls = [np.asarray(each.segments) for each in state.walls]
+            walls = [each.segments for each in state.walls]
             if state.own_walls is not None:
-                walls.append(np.asarray(state.own_walls))
-            if not all(each.ndim and each.dtype.kind in "fiu" for each in walls):
+                walls.append(state.own_walls)
+            if not all(isinstance(w, np.ndarray) and w.ndim and w.dtype.kind in "fiu" for w in walls):
                 raise ValueError("expected walls as arrays of numbers")
         except ValueError as error:
             raise StateError(f"the state is damaged: {error}") from None
