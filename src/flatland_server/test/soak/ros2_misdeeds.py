@@ -4,6 +4,7 @@ import os
 import random
 import signal
 import sys
+import time
 
 import rclpy
 from geometry_msgs.msg import Twist, TwistStamped
@@ -58,7 +59,8 @@ def is_served(node):
     scans = []
     node.create_subscription(LaserScan, "/scan", scans.append, 1)
     clients = [node.create_client(*each) for each in QUESTIONS]
-    for _ in range(round(LIMIT)):
+    end = time.monotonic() + LIMIT
+    while time.monotonic() < end:
         calls = [client.call_async(client.srv_type.Request()) for client in clients]
         for call in calls:
             rclpy.spin_until_future_complete(node, call, timeout_sec=1.0)
