@@ -13,6 +13,7 @@ import tcpros_client
 from flatland_msgs.srv import OpenWorld
 from rosgraph_msgs.msg import Clock
 from running_server import NODE, USUAL_FILES, WORLDS
+from std_msgs.msg import UInt8
 from waiting import wait_until
 
 pytestmark = pytest.mark.slow
@@ -140,5 +141,45 @@ def test_a_signal_ends_a_node_within_a_call_to_the_master(master):
                 node.wait(0.1)
         assert node.wait(20) == 0
         assert "/asking" not in str(master.ask("getSystemState"))
+    finally:
+        node.kill()
+
+
+STOPPING = """
+import threading
+import rospy
+from std_msgs.msg import UInt8
+from flatland_server.ros import init_node
+
+def stop():
+    ended.set()
+    for topic in topics:
+        topic.publish(1)
+        topic.unregister()
+
+init_node("stopping")
+topics = [rospy.Publisher(f"/last_{number}", UInt8, queue_size=1) for number in range(30)]
+ended = threading.Event()
+rospy.on_shutdown(stop)
+print("runs", flush=True)
+ended.wait()
+"""
+
+
+def test_what_a_node_publishes_at_its_end_arrives(master):
+    environment = {**os.environ, "ROS_MASTER_URI": master.uri}
+    command = [sys.executable, "-c", STOPPING]
+    node = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE)
+    try:
+        assert node.stdout.readline() == b"runs\n"
+        uri = master.ask("lookupNode", "/stopping")
+        topics = [f"/last_{number}" for number in range(30)]
+        with contextlib.ExitStack() as stack:
+            connections = [tcpros_client.subscribe(uri, topic, UInt8) for topic in topics]
+            for each in connections:
+                stack.enter_context(each)
+            node.send_signal(signal.SIGINT)
+            assert [tcpros_client.next_message(each, UInt8).data for each in connections] == [1] * 30
+        assert node.wait(20) == 0
     finally:
         node.kill()

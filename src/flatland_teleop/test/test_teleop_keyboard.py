@@ -117,10 +117,14 @@ def test_robots_drive_while_a_key_is_held_and_stop_after_it(typist):
     typist.type("\t+")
     typist.type("\x1b[1;1:1B")  # "down", in a terminal that reports releases
     typist.wait_for_speed("/r10/odometry/filtered", -0.56, -0.54)
+    typist.type("\t")
+    typist.wait_for_speed("/r10/odometry/filtered", -0.01, 0.01)
 
+    typist.type("\x1b[1;1:1B")
+    typist.wait_for_speed("/r2/odometry/filtered", -0.56, -0.54)
     typist.type("\x03")  # Ctrl-C: the terminal sends SIGINT
     assert typist.process.wait(30) == 0
-    typist.wait_for_speed("/r10/odometry/filtered", -0.01, 0.01)
+    typist.wait_for_speed("/r2/odometry/filtered", -0.01, 0.01)
     assert termios.tcgetattr(typist.terminal) == typist.mode
     assert "Traceback" not in typist.shown
 

@@ -106,7 +106,7 @@ def test_a_patch_is_left_out_if_a_signature_differs(
 def test_no_patch_is_used_if_patches_are_switched_off(unpatched_rospy, caplog):
     caplog.set_level("INFO")
 
-    calls = install(is_wanted=False)
+    calls = install(())
 
     assert calls == RospyCalls()
     assert rospy.topics.QueuedConnection is unpatched_rospy
@@ -151,7 +151,7 @@ def frame(message: Clock) -> bytes:
 
 @pytest.mark.parametrize("is_patched", [False, True])
 def test_bytes_are_published_with_and_without_patches(is_patched, publisher, unpatched_rospy):
-    calls = install(is_patched)
+    calls = install(PATCHES if is_patched else ())
     frames = [frame(Clock(rospy.Time(second))) for second in (1, 2, 3)]
 
     calls.send_framed(publisher.publisher, frames[0])

@@ -6,6 +6,7 @@ import signal
 import sys
 import threading
 import time
+import warnings
 import xmlrpc.client
 from itertools import zip_longest
 from typing import Any, List
@@ -66,7 +67,10 @@ class TeleopKeyboard:
         self._is_ended = False
 
     def _advertise(self) -> rospy.Publisher:
-        return rospy.Publisher(self._topic, Twist, queue_size=1)
+        # Without a queue: its thread may not send the last command before the topic is closed.
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SyntaxWarning)
+            return rospy.Publisher(self._topic, Twist, queue_size=None)
 
     def run(self, terminal: Terminal) -> None:
         """Runs until the user quits, or the node is shut down."""

@@ -1,5 +1,6 @@
 """Nodes that a signal ends, whatever they do then, and that may have no terminal."""
 
+import atexit
 import os
 import queue
 import signal
@@ -7,6 +8,8 @@ import sys
 import threading
 
 import rospy
+
+from flatland_server.ros.rospy_patches import install
 
 
 def open_closed_streams() -> None:
@@ -16,26 +19,37 @@ def open_closed_streams() -> None:
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 (until the process ends)
 
 
-def init_node(name: str) -> None:
+def init_node(name: str, *, anonymous: bool = False) -> None:
     """Initializes the node; SIGINT and SIGTERM shut rospy down, on a thread of its own.
 
     rospy's handlers run on the main thread and call the master: if they interrupt another call to
     it, or a message that is being queued, they wait for ever for a lock that this thread holds.
     A second signal ends the process at once, since a master that is stopped answers no call.
 
+    A message is in the subscriber's socket when `publish` returns. rospy's own would be with a
+    thread, which may not run before the connections are closed: more than half of the commands that
+    are to stop a robot at the end were lost.
+
     Args:
         name: the node's name, if it is not remapped.
+        anonymous: whether a number makes the name unique.
     """
     open_closed_streams()
-    rospy.init_node(name, disable_signals=True)
-    signals: queue.SimpleQueue[int] = queue.SimpleQueue()
+    rospy.init_node(name, anonymous=anonymous, disable_signals=True)
+    install(["nonblocking_connection"])
+    reasons: queue.SimpleQueue[str] = queue.SimpleQueue()
+    ending = threading.Thread(target=lambda: rospy.signal_shutdown(reasons.get()), daemon=True)
 
     def end(number: int, _frame: object) -> None:
         signal.signal(number, signal.SIG_DFL)
-        signals.put(number)  # which is reentrant
+        reasons.put(f"signal {number}")  # which is reentrant
+
+    def finish() -> None:
+        """Waits for the end of a shutdown: the main thread may have nothing more to do before."""
+        reasons.put("exit")
+        ending.join()
 
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, end)
-    threading.Thread(
-        target=lambda: rospy.signal_shutdown(f"signal {signals.get()}"), daemon=True
-    ).start()
+    ending.start()
+    atexit.register(finish)

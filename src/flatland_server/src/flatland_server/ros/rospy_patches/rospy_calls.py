@@ -5,7 +5,7 @@ import itertools
 import logging
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Callable, ContextManager, Dict, List, Optional
+from typing import TYPE_CHECKING, Any, Callable, Collection, ContextManager, Dict, List, Optional
 
 import rospy
 
@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from flatland_server.ros.rospy_patches.local_time import LocalTime
 
 PATCHES: Dict[str, str] = {
-    "nonblocking_connection": "each message costs two thread switches per subscriber",
+    "nonblocking_connection": "each message costs two thread switches per subscriber; the last ones "
+    "of a node may be lost",
     "registration": "worlds with many topics take longer to load; a master that hangs stops time",
     "tcpros_server": "a connection that sends nothing stops all services; subscribers may be "
     "delayed by seconds",
@@ -140,28 +141,28 @@ class RospyCalls:
     forget_latched: Optional[Callable[[rospy.Publisher], None]] = None
 
 
-def install(is_wanted: bool = True) -> RospyCalls:
-    """Puts all patches in place that this rospy allows; logs those that it does not.
+def install(names: Collection[str] = tuple(PATCHES)) -> RospyCalls:
+    """Puts patches in place that this rospy allows; logs those that it does not.
 
     To be called after `rospy.init_node` and before any topic is opened.
 
     Args:
-        is_wanted: whether to patch at all.
+        names: of the patches; none: rospy is left as it is.
 
     Returns:
         The operations to use, each patched or plain.
     """
-    if not is_wanted:
+    if not names:
         logger.info("rospy is not patched: publishing and loading take longer")
         return RospyCalls()
     calls = RospyCalls()
     refused: List[str] = []
-    for name, cost in PATCHES.items():
+    for name in names:
         try:
             module = importlib.import_module(f"{__package__}.{name}")
             calls = replace(calls, **module.install())
         except (ImportError, AttributeError, OSError, UnknownRospyError) as error:
-            refused.append(f"{name} ({error}): {cost}")
+            refused.append(f"{name} ({error}): {PATCHES[name]}")
     if refused:
         logger.warning("patches of rospy that are switched off: %s", "; ".join(refused))
     return calls
