@@ -179,7 +179,8 @@ def test_what_a_node_publishes_at_its_end_arrives(master):
             for each in connections:
                 stack.enter_context(each)
             node.send_signal(signal.SIGINT)
-            assert [tcpros_client.next_message(each, UInt8).data for each in connections] == [1] * 30
+            for each in connections:
+                assert tcpros_client.next_message(each, UInt8).data == 1
         assert node.wait(20) == 0
     finally:
         node.kill()

@@ -90,7 +90,8 @@ def _run(ros_config: RosConfig, simulate: Simulate, log: RecentLog) -> None:
     except ValueError as error:
         raise FlatlandError(f"~step_size: {error}") from None
     shutdown = Shutdown()
-    transport = RosTransport(rospy_patches.install(rospy_patches.PATCHES if ros_config.rospy_patches else ()), config.params)
+    patches = rospy_patches.PATCHES if ros_config.rospy_patches else ()
+    transport = RosTransport(rospy_patches.install(patches), config.params)
     transport.tf_by_namespace = config.tf_by_namespace
     shutdown.transport = transport
     LoadingPublisher()

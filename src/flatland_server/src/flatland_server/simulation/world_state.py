@@ -136,8 +136,9 @@ class WorldState:
             walls = [each.segments for each in state.walls]
             if state.own_walls is not None:
                 walls.append(state.own_walls)
-            if not all(isinstance(w, np.ndarray) and w.ndim and w.dtype.kind in "fiu" for w in walls):
-                raise ValueError("expected walls as arrays of numbers")
+            for each in walls:
+                if not (isinstance(each, np.ndarray) and each.ndim and each.dtype.kind in "fiu"):
+                    raise ValueError("expected walls as arrays of numbers")
         except ValueError as error:
             raise StateError(f"the state is damaged: {error}") from None
         return state

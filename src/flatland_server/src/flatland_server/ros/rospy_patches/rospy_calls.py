@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from flatland_server.ros.rospy_patches.local_time import LocalTime
 
 PATCHES: Dict[str, str] = {
-    "nonblocking_connection": "each message costs two thread switches per subscriber; the last ones "
-    "of a node may be lost",
+    "nonblocking_connection": "each message costs two thread switches per subscriber; the last "
+    "ones of a node may be lost",
     "registration": "worlds with many topics take longer to load; a master that hangs stops time",
     "tcpros_server": "a connection that sends nothing stops all services; subscribers may be "
     "delayed by seconds",
