@@ -20,6 +20,14 @@ from flatland_server.exceptions import YamlError
 IMPORTED_BY_THE_WORKER = ["json", "lupa", "re", "resource", "signal"]
 
 
+@pytest.fixture(autouse=True)
+def idle():
+    """The idle workers: none are left of other tests."""
+    lua._end_idle()
+    yield lua._idle
+    lua._end_idle()
+
+
 @pytest.fixture
 def preprocessor():
     return YamlPreprocessor()
@@ -71,21 +79,39 @@ def test_without_lupa_the_error_tells_how_to_check_for_it(files, evaluate, monke
     )
 
 
-def test_the_worker_ends_with_the_preprocessor_but_not_with_a_fork(files):
-    preprocessor, path = YamlPreprocessor(), files.write("file.yaml", "value: $eval 1 + 1\n")
-    preprocessor.read(path)
-    worker = preprocessor._expressions.lua._worker
-    assert worker is not None
+def test_a_worker_serves_other_files_but_not_a_fork(files, idle):
+    path = files.write("file.yaml", "value: $eval 1 + 1\n")
+    for _ in range(2):
+        YamlPreprocessor().read(path)
+    (worker,) = idle
 
     fork = os.fork()
     if not fork:
-        del preprocessor
-        os._exit(0)
-    os.waitpid(fork, 0)
-    assert worker.poll() is None
+        value = lua.LuaEvaluator().evaluate("3", {})
+        os._exit(value if idle[0].process.pid != worker.process.pid else 0)
+    assert os.waitstatus_to_exitcode(os.waitpid(fork, 0)[1]) == 3
+    assert lua.LuaEvaluator().evaluate("4", {}) == 4
+    assert idle == [worker]
 
-    del preprocessor
-    assert worker.returncode is not None
+
+def test_workers_of_many_threads_are_not_kept(idle):
+    barrier = threading.Barrier(lua._MOST_IDLE + 2)
+    functions = {"env": lambda _: barrier.wait(60)}
+    threads = [
+        threading.Thread(target=lambda: lua.LuaEvaluator().evaluate("env()", functions))
+        for _ in range(barrier.parties)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+
+    assert len(idle) == lua._MOST_IDLE
+
+
+def test_an_expression_leaves_no_garbage_for_the_next(evaluate):
+    for _ in range(3):  # each takes more than a third of the memory
+        assert evaluate("local t = {} for i = 1, 1.8e6 do t[i] = {} end return 1") == "1"
 
 
 def has_ended(pid: int) -> bool:
@@ -117,9 +143,10 @@ def test_a_busy_worker_ends_when_its_parent_is_killed():
         import sys
         from flatland_server.config import lua
         lua.TIME_LIMIT = 60.0
-        evaluator = lua.LuaEvaluator()
-        functions = {"env": lambda _: print(evaluator._worker.pid, flush=True)}
-        evaluator.evaluate("env() while true do end", functions)
+        lua._give_back(lua._take())
+        functions = {"env": lambda _: print(worker.process.pid, flush=True)}
+        worker = lua._idle[0]
+        lua.LuaEvaluator().evaluate("env() while true do end", functions)
     """
     parent = subprocess.Popen(
         [sys.executable, "-c", textwrap.dedent(program)], stdout=subprocess.PIPE
@@ -144,10 +171,10 @@ def test_the_worker_outlives_the_thread_that_has_started_it():
     assert evaluator.evaluate("2", {}) == 2
 
 
-def test_the_worker_has_no_files_processes_or_endless_time(evaluate, preprocessor):
+def test_the_worker_has_no_files_processes_or_endless_time(evaluate, idle):
     evaluate("1")
 
-    limits = Path(f"/proc/{preprocessor._expressions.lua._worker.pid}/limits").read_text()
+    limits = Path(f"/proc/{idle[0].process.pid}/limits").read_text()
 
     soft = {line[:26].strip(): line[26:].split()[0] for line in limits.splitlines()[1:]}
     assert soft["Max open files"] == "0"
@@ -190,21 +217,20 @@ def test_each_file_has_its_own_time_limit(evaluate, monkeypatch):
     assert evaluate("1 + 1") == "2"
 
 
-def test_without_expressions_there_is_no_worker(files, preprocessor):
+def test_without_expressions_there_is_no_worker(files, preprocessor, idle):
     preprocessor.read(files.write("file.yaml", "value: 1\n"))
 
-    assert preprocessor._expressions.lua._worker is None
+    assert idle == []
 
 
-def test_a_killed_worker_is_an_error_and_is_restarted(evaluate, preprocessor):
+def test_a_killed_worker_is_replaced(evaluate, idle):
     evaluate("1")
-    preprocessor._expressions.lua._worker.kill()
-    preprocessor._expressions.lua._worker.wait()
-
-    with pytest.raises(YamlError):
-        evaluate("1")
+    killed = idle[0].process
+    killed.kill()
+    wait_until_ended(killed.pid)
 
     assert evaluate("2") == "2"
+    assert killed.returncode == -signal.SIGKILL
 
 
 def test_random_numbers_are_the_same_with_every_lua():

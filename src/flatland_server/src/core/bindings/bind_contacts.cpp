@@ -64,15 +64,17 @@ void PyListener::Call(const Contact& contact, const py::object& wrapped) const {
 void PyListener::OnContact(Contact& contact) {
   const std::shared_ptr<World> world = world_.lock();
   if (error_ || !world) return;
-  const py::gil_scoped_acquire acquire;
-  const auto wrapped = std::make_shared<PyContact>(
-      PyContact{world, &contact, {world, contact.a}, {world, contact.b}});
-  try {
-    Call(contact, py::cast(wrapped));
-  } catch (...) {
-    error_ = std::current_exception();
-  }
-  wrapped->contact = nullptr;
+  CallUnlessPythonEnds([&] {
+    const py::gil_scoped_acquire acquire;
+    const auto wrapped = std::make_shared<PyContact>(
+        PyContact{world, &contact, {world, contact.a}, {world, contact.b}});
+    try {
+      CallUnlessPythonEnds([&] { Call(contact, py::cast(wrapped)); });
+    } catch (...) {
+      error_ = std::current_exception();
+    }
+    wrapped->contact = nullptr;
+  });
 }
 
 void PyListener::Rethrow() {

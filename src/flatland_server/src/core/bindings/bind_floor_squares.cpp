@@ -47,7 +47,7 @@ void Lower(Array<double> squares, const Array<double>& walls, double reach, Vec2
   const std::vector<Segment> segments = ToSegments(walls);
   double* const numbers = squares.mutable_data();
   const int64_t rows = squares.shape(0), columns = squares.shape(1);
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   LowerToWalls(segments, reach, corner, side, rows, columns, numbers);
 }
 
@@ -72,7 +72,7 @@ Array<bool> Crop(const FloorSquares& self, const Array<double>& poses, int cells
   Array<bool> crops({count, size});
   const double* pose = poses.data();
   bool* crop = crops.mutable_data();
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   for (py::ssize_t k = 0; k < count; ++k, pose += 3, crop += size) {
     self.Crop({pose[0], pose[1], pose[2]}, cells, crop);
   }

@@ -25,7 +25,7 @@ Array<float> Observe(const GoalObserver& self, const Array<float>& ranges,
   const float* range = ranges.data();
   const double *pose = poses.data(), *velocity = velocities.data(), *goal = goals.data();
   float* row = result.mutable_data();
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   for (py::ssize_t k = 0; k < count; ++k) {
     self.Observe(range, pose, velocity, goal, row);
     range += self.beams(), pose += 3, velocity += 3, goal += 2, row += self.size();
@@ -47,7 +47,7 @@ Array<bool> AreBlocked(const Array<double>& lines, WallsOf walls_of) {
   Array<bool> result(lines.shape(0));
   const double* end = lines.data();
   bool* const blocked = result.mutable_data();
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   for (py::ssize_t k = 0; k < lines.shape(0); ++k, end += 4) {
     const LinesOfSight* const walls = walls_of(k);
     blocked[k] = walls != nullptr && walls->IsBlocked({{end[0], end[1]}, {end[2], end[3]}});

@@ -16,7 +16,7 @@ py::tuple Scan(const PyWorld& self, const BeamFan& fan, const Pose& pose, double
   float* intensities_out = intensities.mutable_data();
   {
     const World::AccessGuard guard(*self.world);
-    const py::gil_scoped_release release;
+    const ReleasedGil release;
     self.world->lidars().Scan(fan, pose, {range, layers, reflectance_layers, 0.0, {}}, ranges_out,
                               intensities_out, guard);
   }
@@ -24,7 +24,7 @@ py::tuple Scan(const PyWorld& self, const BeamFan& fan, const Pose& pose, double
 }
 
 const Lidar& ScanReleased(PyLidar& self, const World::AccessGuard& guard) {
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   return self.world->lidars().Scan(self.handle, guard);
 }
 

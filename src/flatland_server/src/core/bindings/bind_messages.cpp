@@ -214,7 +214,7 @@ void BindQueues(py::module_& m) {
           "send",
           [](Queue& self, std::string data) {
             self.Add(std::move(data));
-            const py::gil_scoped_release release;
+            const ReleasedGil release;
             return self.Send();
           },
           py::arg("data"))
@@ -230,7 +230,7 @@ void BindQueues(py::module_& m) {
            }),
            py::arg("period"), py::arg("most"))
       .def("add", &Outbox::Add, py::arg("queue"), py::arg("data"))
-      .def("send", &Outbox::Send, py::call_guard<py::gil_scoped_release>());
+      .def("send", &Outbox::Send, py::call_guard<ReleasedGil>());
   DefineFast<&IsEmpty>(outbox, "is_empty");  // asked in each step
   DefineFast<&IsDue>(outbox, "is_due");
 }

@@ -28,7 +28,7 @@ void AddToRows(const RangeNoise& self, Array<float> ranges, const Array<uint64_t
   }
   float* row = ranges.mutable_data();
   const auto beams = static_cast<int>(ranges.shape(1));
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   for (py::ssize_t k = 0; k < rows; ++k, row += beams) {
     if (mask && !mask->data()[k]) continue;
     const uint64_t key = keys.data()[k];

@@ -18,7 +18,7 @@ struct PyWalls {
 PyWalls MakeWalls(const Array<double>& segments) {
   std::vector<Segment> converted = ToSegments(segments);
   RequireWalls(converted);
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   return {VisibleWalls::Share(std::move(converted))};
 }
 
@@ -103,7 +103,7 @@ void Step(PyWorldBatch& self, const Array<double>& actions, int substeps, double
   std::optional<BatchRows> rows;
   if (out) rows = ToRows(self.batch, *out);
   const Use use(self);
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   if (rows) {
     self.batch.Step(numbers, substeps, dt, *rows, goes_on, chosen);
   } else {
@@ -120,7 +120,7 @@ int Reset(PyWorldBatch& self, const Mask& mask, const std::optional<Array<double
       DataOf(model_poses, "model_poses", count, 3 * self.batch.model_count());
   const BatchRows rows = ToRows(self.batch, out);
   const Use use(self);
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   return self.batch.Reset(chosen, places, rows, model_places);
 }
 
@@ -137,7 +137,7 @@ void MoveRobots(PyWorldBatch& self, const Array<double>& poses, const Mask& mask
   const double* const places = DataOf(poses, "poses", self.batch.row_count(), 3);
   const bool* const chosen = DataOf(mask, "mask", self.batch.row_count());
   const Use use(self);
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   self.batch.MoveRobots(chosen, places);
 }
 
@@ -153,14 +153,14 @@ void LoadStates(PyWorldBatch& self, const Mask& mask, const std::vector<std::str
   std::vector<std::shared_ptr<const VisibleWalls>> of_states;
   for (const auto& each : walls) of_states.push_back(each ? each->walls : nullptr);
   const Use use(self);
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   self.batch.LoadStates(environments, states, of_states, chosen.data(), steps.data(), rows);
 }
 
 void Observe(PyWorldBatch& self, const py::tuple& out) {
   const BatchRows rows = ToRows(self.batch, out);
   const Use use(self);
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   self.batch.Observe(rows);
 }
 
@@ -175,7 +175,7 @@ void Seed(PyWorldBatch& self, const std::variant<PyCrowd, PyDrive, PyAckermann, 
   const uint64_t* const numbers = DataOf(keys, "keys", self.batch.count(), 0);
   const bool* const chosen = DataOf(mask, "mask", self.batch.count());
   const Use use(self);
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   std::visit([&](const auto& each) { self.batch.Seed(chosen, each.handle, numbers); }, owner);
 }
 
@@ -199,7 +199,7 @@ py::tuple GetMotions(PyWorldBatch& self, const std::vector<PyBody>& bodies, cons
   const std::vector<World::Body> handles = ToHandles(bodies);
   {
     const Use use(self);
-    const py::gil_scoped_release release;
+    const ReleasedGil release;
     self.batch.GetMotions(chosen, handles, poses.mutable_data(), velocities.mutable_data());
   }
   return py::make_tuple(poses, velocities);
@@ -212,7 +212,7 @@ void SetVelocities(PyWorldBatch& self, const std::vector<PyBody>& bodies,
                                        3 * static_cast<py::ssize_t>(bodies.size()));
   const std::vector<World::Body> handles = ToHandles(bodies);
   const Use use(self);
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   self.batch.SetVelocities(chosen, handles, numbers);
 }
 

@@ -16,7 +16,7 @@ namespace {
 void Step(PyWorld& self, double dt) {
   {
     const World::AccessGuard guard(*self.world);
-    const py::gil_scoped_release release;
+    const ReleasedGil release;
     self.world->Step(dt, guard);
   }
   RethrowFromListener(*self.world);
@@ -26,7 +26,7 @@ int StepUntilContact(PyWorld& self, double dt, int count) {
   int completed = 0;
   {
     const World::AccessGuard guard(*self.world);
-    const py::gil_scoped_release release;
+    const ReleasedGil release;
     completed = self.world->StepUntilContact(dt, count, guard);
   }
   RethrowFromListener(*self.world);

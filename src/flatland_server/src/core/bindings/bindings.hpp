@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "bindings/gil.hpp"
 #include "world/world.hpp"
 
 namespace flatland {

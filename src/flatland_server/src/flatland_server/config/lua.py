@@ -3,6 +3,7 @@
 `lua_worker` is the program of that process, and says why it is one.
 """
 
+import atexit
 import ctypes
 import json
 import math
@@ -10,15 +11,13 @@ import os
 import select
 import sys
 import time
-import weakref
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional
-
-if TYPE_CHECKING:
-    import subprocess
+from typing import Any, Callable, Dict, List, Mapping, Optional
 
 TIME_LIMIT = 1.0  # s of processor time for all expressions of a file together
 _ANSWER_LIMIT = 30.0  # s of real time until the worker answers, on a busy machine
+
+_MOST_IDLE = 4  # workers that are kept
 
 _WORKER = Path(__file__).with_name("lua_worker.py")
 
@@ -31,14 +30,9 @@ class LuaError(Exception):
 
 
 class LuaEvaluator:
-    """Evaluates expressions in a worker process, which is started for the first one.
-
-    The process ends with this object.
-    """
+    """Evaluates expressions, which share a time limit, in a worker process."""
 
     def __init__(self) -> None:
-        self._worker: Optional[subprocess.Popen[bytes]] = None
-        self._unread = b""
         self._time_left = TIME_LIMIT
         self.random_count = 0
         """The number of expressions so far that have called math.random."""
@@ -63,19 +57,26 @@ class LuaEvaluator:
             LuaError: the code is not Lua, fails, does not end in time or takes too much memory; or
                 there is no Lua. The time is that of all calls since `restart_time`.
         """
-        if self._worker is None:
-            self._start()
-        before = self._processor_time()
-        value = self._evaluate(code, functions, seed, before + self._time_left)
-        self._time_left -= self._processor_time() - before
+        worker = _take()
+        try:
+            before = worker.processor_time()
+            value = self._evaluate(worker, code, functions, seed, before + self._time_left)
+            self._time_left -= worker.processor_time() - before
+        except BaseException:
+            worker.end()  # its state is unknown; it may have used up its memory
+            raise
+        _give_back(worker)
         return value
 
-    def _evaluate(self, code: str, functions: Functions, seed: int, end: float) -> Any:
-        self._send({"code": code, "seed": seed})
+    def _evaluate(
+        self, worker: "_Worker", code: str, functions: Functions, seed: int, end: float
+    ) -> Any:
+        worker.send({"code": code, "seed": seed})
         while True:
-            message = self._receive(end)
+            message = worker.receive(end)
+            if message is None:
+                raise LuaError(self._too_slow())
             if "error" in message:
-                self.close()  # its state is unknown; it may have used up its memory
                 raise LuaError(message["error"])
             if "value" in message:
                 self.random_count += message["is_random"]
@@ -85,19 +86,12 @@ class LuaEvaluator:
             except LuaError as error:
                 answer = {"error": str(error)}
             try:
-                self._send(answer)
+                worker.send(answer)
             except (TypeError, ValueError):
-                self.close()
                 kind = type(answer["value"]).__name__
                 raise LuaError(
                     f"{message['call']}: a value of the type {kind} cannot be passed to Lua"
                 ) from None
-
-    def close(self) -> None:
-        """Ends the worker process, if there is one."""
-        if self._worker is not None:
-            self._worker = None
-            self._end()
 
     def _too_slow(self) -> str:
         message = f"does not end within {TIME_LIMIT:g} s"
@@ -105,69 +99,79 @@ class LuaEvaluator:
             return message
         return f"{message} together with the expressions before it in the file"
 
-    def _start(self) -> None:
+
+class _Worker:
+    """A process that evaluates one expression at a time; nothing of one is left for the next.
+
+    Raises:
+        LuaError: there is no Lua.
+    """
+
+    def __init__(self) -> None:
         import subprocess  # takes 10 ms
 
-        self._unread = b""
         # Started by its file, so that it does not import the package and its dependencies. Isolated
         # (-I), so that it imports nothing from the working directory or from PYTHONPATH.
         command = [sys.executable or "/usr/bin/python3", "-I", str(_WORKER)]
-        self._worker = subprocess.Popen(
+        self.process = subprocess.Popen(
             command,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
-            start_new_session=True,  # Ctrl-C in a terminal does not reach it; `close` ends it
+            start_new_session=True,  # Ctrl-C in a terminal does not reach it
         )
-        self._end = weakref.finalize(self, _end, self._worker, os.getpid())
+        self._unread = b""
         # Waits for a first answer, so that starting does not count towards the expression's time.
-        self._send({"code": "0", "seed": 0})
+        self.send({"code": "0", "seed": 0})
         try:
-            self._receive()
+            has_started = self.receive() is not None
         except LuaError:
+            has_started = False
+        if not has_started:
+            self.end()
             check = f"{command[0]} -I -c 'import lupa'"
-            raise LuaError(f"Lua does not start: is lupa installed? Try {check}") from None
+            raise LuaError(f"Lua does not start: is lupa installed? Try {check}")
 
-    def _send(self, message: Dict[str, Any]) -> None:
-        assert self._worker is not None
-        assert self._worker.stdin is not None
+    def end(self) -> None:
+        """Ends the process."""
+        self.process.kill()
+        self.process.communicate()
+
+    def send(self, message: Dict[str, Any]) -> None:
+        assert self.process.stdin is not None
         try:
-            self._worker.stdin.write(json.dumps(message).encode() + b"\n")
-            self._worker.stdin.flush()
+            self.process.stdin.write(json.dumps(message).encode() + b"\n")
+            self.process.stdin.flush()
         except OSError:
-            pass  # the worker has ended; `_receive` reports that
+            pass  # the process has ended; `receive` reports that
 
-    def _processor_time(self) -> float:
-        """CPU time of the worker and this thread [s]: independent of the machine's load."""
-        assert self._worker is not None
+    def processor_time(self) -> float:
+        """CPU time of the process and this thread [s]: independent of the machine's load."""
         clock = ctypes.c_int()
-        if ctypes.CDLL(None).clock_getcpuclockid(self._worker.pid, ctypes.byref(clock)) != 0:
+        if ctypes.CDLL(None).clock_getcpuclockid(self.process.pid, ctypes.byref(clock)) != 0:
             return time.monotonic()
         return time.clock_gettime(clock.value) + time.thread_time()
 
-    def _receive(self, end: float = math.inf) -> Dict[str, Any]:
-        """The next message of the worker.
+    def receive(self, end: float = math.inf) -> Optional[Dict[str, Any]]:
+        """The next message of the process; None if it does not come in time.
 
         Args:
-            end: the latest `_processor_time` at which it may arrive.
+            end: the latest `processor_time` at which it may arrive.
 
         Raises:
-            LuaError: it does not come in time, or the worker has ended.
+            LuaError: the process has ended.
         """
-        assert self._worker is not None
-        assert self._worker.stdout is not None
-        pipe = self._worker.stdout.fileno()
+        assert self.process.stdout is not None
+        pipe = self.process.stdout.fileno()
         deadline = time.monotonic() + _ANSWER_LIMIT
         while b"\n" not in self._unread:
-            remaining = min(end - self._processor_time(), deadline - time.monotonic())
+            remaining = min(end - self.processor_time(), deadline - time.monotonic())
             if remaining <= 0:
-                self.close()
-                raise LuaError(self._too_slow())
+                return None
             if not select.select([pipe], [], [], max(remaining, 0.001))[0]:
                 continue  # not timed out yet: the worker has waited for a CPU
             chunk = os.read(pipe, 65536)
             if not chunk:
-                self.close()
                 raise LuaError("takes too much memory")
             self._unread += chunk
         line, self._unread = self._unread.split(b"\n", 1)
@@ -175,8 +179,34 @@ class LuaEvaluator:
         return message
 
 
-def _end(worker: "subprocess.Popen[bytes]", process: int) -> None:
-    """Ends a worker; does nothing in a fork of the process that has started it."""
-    if os.getpid() == process:
-        worker.kill()
-        worker.communicate()
+_idle: List[_Worker] = []
+"""Workers that wait for an expression, of any evaluator. To start one takes more than most files."""
+
+
+def _take() -> _Worker:
+    """A worker that is idle, or a new one."""
+    while True:
+        try:
+            worker = _idle.pop()
+        except IndexError:
+            return _Worker()
+        if worker.process.poll() is None:
+            return worker
+        worker.end()
+
+
+def _give_back(worker: _Worker) -> None:
+    """Keeps a worker for the next expression, if there are not many."""
+    if len(_idle) < _MOST_IDLE:
+        _idle.append(worker)
+    else:
+        worker.end()
+
+
+@atexit.register
+def _end_idle() -> None:
+    while _idle:
+        _idle.pop().end()
+
+
+os.register_at_fork(after_in_child=_idle.clear)  # they are those of the parent process

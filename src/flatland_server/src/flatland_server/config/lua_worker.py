@@ -102,6 +102,8 @@ class Worker:
             _SANDBOX, self._call, self._random.random, self._set_seed
         )
 
+        self._collect_garbage = self._lua.eval("collectgarbage")
+
     def serve(self) -> None:
         """Evaluates expressions until standard input ends."""
         for line in sys.stdin:
@@ -115,6 +117,7 @@ class Worker:
                 _send({"error": "not enough memory"})
             except Exception as error:
                 _send({"error": _message(error)})
+            self._collect_garbage()  # Lua 5.1 does not when its memory is used up
 
     def _set_seed(self, seed: float) -> None:
         self._random.seed(int(seed))

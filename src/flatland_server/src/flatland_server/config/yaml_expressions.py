@@ -24,6 +24,7 @@ class Expressions:
     Attributes:
         seed: of the world. Each expression has random numbers of its own, by the seed, its file and
             its text; equal ones in a file are numbered.
+        lua: evaluates them.
     """
 
     def __init__(self, get_param: Callable[[str, Any], Any]) -> None:
@@ -35,7 +36,6 @@ class Expressions:
         """True if expressions may read environment variables."""
         self._place = ""  # file and line of the expression that is being evaluated
         self.lua = LuaEvaluator()
-        """The process that evaluates them."""
 
     def evaluate(self, node: yaml.ScalarNode, code: str) -> yaml.Node:
         """The value of an expression, as a node at its place.
