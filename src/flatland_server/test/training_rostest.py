@@ -1,5 +1,6 @@
 """Training runs over a real master: many calls in each episode, and steps of one control period."""
 
+from functools import partial
 from pathlib import Path
 
 import rospkg
@@ -194,10 +195,13 @@ class Training(RecordingCase):
         self.assertIn('found "wide"', answer.message)
 
     def test_a_bad_move_model_message_is_a_warning_with_the_topic(self):
-        for name, pose in (("nobody", Pose2D()), ("turtlebot", Pose2D(float("nan"), 0.0, 0.0))):
-            self.move.publish(MoveModelMsg(name, pose))
-        for error in ('there is no model "nobody"', "expected a finite pose"):
+        def is_warned(error, *message):
+            self.move.publish(*message)  # again: this node may not have the server's log yet
             warning = f"/move_model: ModelError: {error}"
-            wait_until(
-                lambda w=warning: any(m.msg.startswith(w) for m in self.log.messages), warning
-            )
+            return any(m.msg.startswith(warning) for m in self.log.messages)
+
+        for error, *message in (
+            ('there is no model "nobody"', "nobody", Pose2D()),
+            ("expected a finite pose", "turtlebot", Pose2D(float("nan"), 0.0, 0.0)),
+        ):
+            wait_until(partial(is_warned, error, *message), error)

@@ -10,6 +10,7 @@ import math
 import os
 import select
 import sys
+import threading
 import time
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Optional
@@ -17,7 +18,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional
 TIME_LIMIT = 1.0  # s of processor time for all expressions of a file together
 _ANSWER_LIMIT = 30.0  # s of real time until the worker answers, on a busy machine
 
-_MOST_IDLE = 4  # workers that are kept
+_MOST_IDLE = 2  # workers that are kept
 
 _WORKER = Path(__file__).with_name("lua_worker.py")
 
@@ -180,19 +181,19 @@ class _Worker:
 
 
 _idle: List[_Worker] = []
-"""Workers that wait for an expression, of any evaluator. To start one takes more than most files."""
+"""Workers that wait for an expression, of any evaluator: to start one takes 20 ms."""
+_taking = threading.Lock()
 
 
 def _take() -> _Worker:
-    """A worker that is idle, or a new one."""
-    while True:
-        try:
+    """A worker that is idle, or a new one: one after the other, as others end their work."""
+    with _taking:
+        while _idle:
             worker = _idle.pop()
-        except IndexError:
-            return _Worker()
-        if worker.process.poll() is None:
-            return worker
-        worker.end()
+            if worker.process.poll() is None:
+                return worker
+            worker.end()
+        return _Worker()
 
 
 def _give_back(worker: _Worker) -> None:
@@ -209,4 +210,11 @@ def _end_idle() -> None:
         _idle.pop().end()
 
 
-os.register_at_fork(after_in_child=_idle.clear)  # they are those of the parent process
+def _forget() -> None:
+    """In a fork: the workers are those of the parent process, and so is a thread with the lock."""
+    global _taking
+    _idle.clear()
+    _taking = threading.Lock()
+
+
+os.register_at_fork(after_in_child=_forget)
