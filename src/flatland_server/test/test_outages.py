@@ -146,7 +146,7 @@ def test_a_signal_ends_a_node_within_a_call_to_the_master(master):
 
 
 STOPPING = """
-import threading
+import threading, time
 import rospy
 from std_msgs.msg import UInt8
 from flatland_server.ros import init_node
@@ -162,6 +162,9 @@ topics = [rospy.Publisher(f"/last_{number}", UInt8, queue_size=1) for number in 
 ended = threading.Event()
 rospy.on_shutdown(stop)
 print("runs", flush=True)
+while not all(topic.get_num_connections() for topic in topics):
+    time.sleep(0.01)
+print("is heard", flush=True)
 ended.wait()
 """
 
@@ -178,6 +181,7 @@ def test_what_a_node_publishes_at_its_end_arrives(master):
             connections = [tcpros_client.subscribe(uri, topic, UInt8) for topic in topics]
             for each in connections:
                 stack.enter_context(each)
+            assert node.stdout.readline() == b"is heard\n"
             node.send_signal(signal.SIGINT)
             for each in connections:
                 assert tcpros_client.next_message(each, UInt8).data == 1
