@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <random>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "base/archive.hpp"
 #include "test_bodies.hpp"
 #include "world/world.hpp"
 
@@ -73,6 +75,35 @@ TEST(WorldState, DamagedBytesAreRefusedAndChangeNothing) {
   Scene other;
   other.world.RestoreState(state);
   ExpectSame(scene.Run(100), other.Run(100));
+}
+
+TEST(WorldState, ForgedBytesAreRefusedOrRunOn) {
+  Scene scene;
+  scene.Run(80);
+  const std::string state = scene.world.SaveState();
+  const std::vector<float> values{0, -1, 1, 100, 1e-9f, 1e5f, 3e8f, 1e9f, -1e9f};
+  std::mt19937 draw(1);
+  int accepted = 0;
+
+  for (int i = 0; i < 3000; ++i) {
+    std::string forged = state.substr(0, state.size() - sizeof(uint64_t));
+    char* const place = forged.data() + draw() % (forged.size() - sizeof(float));
+    if (i % 2 == 0) {
+      *place ^= static_cast<char>(1 + draw() % 255);
+    } else {
+      std::memcpy(place, &values[draw() % values.size()], sizeof(float));
+    }
+    const uint64_t sum = Checksum(forged);
+    try {
+      scene.world.RestoreState(forged.append(reinterpret_cast<const char*>(&sum), sizeof sum));
+    } catch (const std::invalid_argument&) {
+      continue;
+    }
+    scene.Run(15);
+    ++accepted;
+  }
+
+  EXPECT_GT(accepted, 500);
 }
 
 TEST(WorldState, ItCannotBeSavedDuringAStep) {

@@ -6,7 +6,6 @@ import signal
 import sys
 import threading
 import time
-import warnings
 import xmlrpc.client
 from itertools import zip_longest
 from typing import Any, List
@@ -15,6 +14,7 @@ import rosgraph
 import rospy
 from geometry_msgs.msg import Twist
 
+from flatland_teleop.command_publisher import command_publisher
 from flatland_teleop.driving import Driving
 from flatland_teleop.driving_keys import HELP, Command
 from flatland_teleop.keys import KeyDecoder, KeyEvent
@@ -62,15 +62,9 @@ class TeleopKeyboard:
         self._decoder = KeyDecoder()
         self._topics = _ask_master()
         self._topic = topic or next_topic(self._topics, rospy.resolve_name("cmd_vel"))
-        self._publisher = self._advertise()
+        self._publisher = command_publisher(self._topic)
         self._is_moving = False
         self._is_ended = False
-
-    def _advertise(self) -> rospy.Publisher:
-        # Without a queue: its thread may not send the last command before the topic is closed.
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", SyntaxWarning)
-            return rospy.Publisher(self._topic, Twist, queue_size=None)
 
     def run(self, terminal: Terminal) -> None:
         """Runs until the user quits, or the node is shut down."""
@@ -119,7 +113,7 @@ class TeleopKeyboard:
         self._halt()
         self._publisher.unregister()
         self._topic = topic
-        self._publisher = self._advertise()
+        self._publisher = command_publisher(topic)
 
     def _publish(self, command: Command) -> None:
         message = Twist()

@@ -6,6 +6,7 @@ import rospy
 from geometry_msgs.msg import Twist
 from python_qt_binding.QtCore import QObject, QTimer
 
+from flatland_teleop.command_publisher import command_publisher
 from flatland_teleop.driving_keys import Command
 
 _PERIOD = 66  # ms: 15 Hz
@@ -34,7 +35,7 @@ class DrivePublisher(QObject):
         if self._publisher is not None:
             self._publisher.unregister()
         self._topic = topic
-        self._publisher = rospy.Publisher(topic, Twist, queue_size=1) if topic else None
+        self._publisher = command_publisher(topic) if topic else None
 
     def command(self, velocity: Command) -> None:
         """Commands a velocity."""

@@ -50,7 +50,10 @@ def main(arguments: Optional[List[str]] = None) -> int:
             stream.reconfigure(errors="backslashreplace")
     try:
         try:
-            options = parser.parse_args(arguments)
+            options, unknown = parser.parse_known_args(arguments)
+            if unknown:  # argparse's own error has the usage of `flatland`, without the options
+                command = commands.choices[options.command]
+                command.error(f"unrecognized arguments: {' '.join(unknown)}")
             code: int = options.execute(options)
         finally:
             if sys.stdout is not None:

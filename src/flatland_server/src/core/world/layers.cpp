@@ -107,8 +107,8 @@ bool Layers::HoldWallsOnTheWay(b2World& world) {
   bool has_come_far = false;
   for (BodyRecord* const record : bodies_.Moving()) {
     const BodyRecord::Nearby& nearby = record->nearby;
-    if (!MayReachWalls(*record) || (nearby.is_current && DistanceMoved(*record) <= nearby.room))
-      continue;
+    const bool has_left = !nearby.is_current || DistanceMoved(*record) > nearby.room;  // not if NaN
+    if (!MayReachWalls(*record) || !has_left) continue;
     const b2Sweep& sweep = box2d::Sweep(*record->body);
     HoldWallsNear(world, *record, {b2Min(sweep.c0, sweep.c), b2Max(sweep.c0, sweep.c)}, room_);
     has_come_far = true;

@@ -345,6 +345,7 @@ void WorldState::Serialize(Archive& archive, const World& world) {
   archive(contacts);
   if constexpr (Archive::kIsReader) {
     for (const ContactState& contact : contacts) {
+      if (contact.a.body == contact.b.body) Archive::Fail();
       bool with_sensor = false;
       for (const ContactState::End& end : {contact.a, contact.b}) {
         if (end.body >= records.size()) Archive::Fail();

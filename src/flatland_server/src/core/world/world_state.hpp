@@ -67,7 +67,8 @@ struct BodyState {
       std::memcpy(static_cast<void*>(&mass), &bits, sizeof mass);
       const float about_center = mass.I - mass.mass * b2Dot(mass.center, mass.center);
       const bool has_inertia = about_center > 0.0f && std::isfinite(about_center);
-      const bool is_sound = std::isfinite(mass.mass) && (has_inertia || mass.I == 0.0f);
+      const bool is_sound =
+          std::isfinite(mass.mass) && (mass.I == 0.0f || (has_inertia && mass.mass > 0.0f));
       if (sleep_time < 0.0f || mass.mass < 0.0f || !is_sound) Archive::Fail();
     }
   }
