@@ -205,6 +205,7 @@ def test_a_model_is_turned_by_its_ring(viewer, crate):
         for angle in np.linspace(0.0, math.pi / 2, 10)
     ]
     if viewer.kind == "window":  # a ring only around the selected model and the one under the mouse
+        viewer.take_hold(viewer.view.pixel(2.0, 3.0))  # a click chooses what rviz has found there
         viewer.screen.click(viewer.view.pixel(2.0, 3.0))
     viewer.screen.move(along[0])
     viewer.picture("ring")

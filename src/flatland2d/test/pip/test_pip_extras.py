@@ -78,11 +78,12 @@ def test_a_sweep_is_the_same_to_the_bit_in_processes_and_on_ray(tmp_path):
     assert set(expected.split()) <= set(fields)
 
 
-def test_stable_baselines3_is_an_extra_that_learns():
+def test_stable_baselines3_is_an_extra_that_learns(tmp_path):
     library = installed(pip_environments.with_sb3, "Stable-Baselines3")
     tests = ROOT / "src" / "flatland_gym" / "test" / "test_sb3.py"
     options = ("-q", "-x", "--noconftest", "-c", os.devnull, "-p", "no:cacheprovider")
 
-    output = library.run("-m", "pytest", *options, tests, OMP_NUM_THREADS=1)
+    variables = {"OMP_NUM_THREADS": 1, "SB3_LOGDIR": tmp_path}
+    output = library.run("-m", "pytest", *options, tests, **variables)
 
     assert re.search(r"^\d+ passed", output, re.MULTILINE), output

@@ -19,7 +19,7 @@ def open_closed_streams() -> None:
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 (until the process ends)
 
 
-def init_node(name: str, *, anonymous: bool = False) -> None:
+def init_node(name: str) -> None:
     """Initializes the node; SIGINT and SIGTERM shut rospy down, on a thread of its own.
 
     rospy's handlers run on the main thread and call the master: if they interrupt another call to
@@ -27,15 +27,14 @@ def init_node(name: str, *, anonymous: bool = False) -> None:
     A second signal ends the process at once, since a master that is stopped answers no call.
 
     A message is in the subscriber's socket when `publish` returns. rospy's own would be with a
-    thread, which may not run before the connections are closed: more than half of the commands that
-    are to stop a robot at the end were lost.
+    thread, which may not run before the connections are closed: on a busy machine, more than half
+    of the last messages were lost, such as commands to stop.
 
     Args:
         name: the node's name, if it is not remapped.
-        anonymous: whether a number makes the name unique.
     """
     open_closed_streams()
-    rospy.init_node(name, anonymous=anonymous, disable_signals=True)
+    rospy.init_node(name, disable_signals=True)
     install(["nonblocking_connection"])
     reasons: queue.SimpleQueue[str] = queue.SimpleQueue()
     ending = threading.Thread(target=lambda: rospy.signal_shutdown(reasons.get()), daemon=True)
