@@ -161,14 +161,16 @@ def test_a_busy_worker_ends_when_its_parent_is_killed():
     wait_until_ended(worker)
 
 
-def test_the_worker_outlives_the_thread_that_has_started_it():
+def test_the_worker_outlives_the_thread_that_has_started_it(idle):
     evaluator = lua.LuaEvaluator()
     thread = threading.Thread(target=lambda: evaluator.evaluate("1", {}))
     thread.start()
     thread.join()
+    (worker,) = idle
     time.sleep(0.1)
 
     assert evaluator.evaluate("2", {}) == 2
+    assert idle == [worker]  # not another one
 
 
 def test_the_worker_has_no_files_processes_or_endless_time(evaluate, idle):
